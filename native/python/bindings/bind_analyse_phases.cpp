@@ -84,7 +84,8 @@ void bind_fit(py::module_& m) {
         .def_readwrite("exponent_std", &PhaseOptions::exponent_std)
         .def_readwrite("shape_error", &PhaseOptions::shape_error)
         .def_readwrite("num_draws", &PhaseOptions::num_draws)
-        .def_readwrite("seed", &PhaseOptions::seed);
+        .def_readwrite("seed", &PhaseOptions::seed)
+        .def_readwrite("scene_starts", &PhaseOptions::scene_starts);
     py::class_<MeasuredCourses, std::shared_ptr<MeasuredCourses>>(
         m, "MeasuredCourses", "How muscles rise and fall by the pictures alone; see measured_courses.hpp.")
         .def(py::init<MatrixIn, const Eigen::Ref<const Rows<float, Eigen::Dynamic>>&>(), "activations"_a,
@@ -120,7 +121,8 @@ void bind_delay(py::module_& m) {
         .def_readwrite("max_lag", &DelayOptions::max_lag)
         .def_readwrite("timing_std", &DelayOptions::timing_std)
         .def_readwrite("num_draws", &DelayOptions::num_draws)
-        .def_readwrite("seed", &DelayOptions::seed);
+        .def_readwrite("seed", &DelayOptions::seed)
+        .def_readwrite("scene_starts", &DelayOptions::scene_starts);
     m.def("estimate_delay", &estimate_delay, "frames"_a, "leader"_a, "leader_fit"_a, "curve"_a, "fit"_a,
           "options"_a = DelayOptions(), py::call_guard<py::gil_scoped_release>(),
           "The Delay of an event of `curve` (N,) behind one of `leader` (N,), or None where there is nothing "

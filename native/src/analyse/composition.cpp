@@ -12,18 +12,21 @@ constexpr double kLeastHighest = 1e-6;
 
 /// Where a part has one muscle near its highest, and what its say in it is.
 struct Say {
-    double highest = 0;         // of the absolute values
+    double highest = 0;         // of the absolute values, the part's strength included
     double begin = 0, end = 0;  // seconds
-    double log_dominance = 0;   // log of alpha
 };
 
 double time_of_row(const ExpressionPart& part, Eigen::Index row) {
     return part.start + part.length * static_cast<double>(row) / static_cast<double>(part.values.rows() - 1);
 }
 
+double log_alpha(double log_share, double size) {
+    return log_share + 2 * std::log(std::max(kLeastHighest, size));
+}
+
 Say say_in(const ExpressionPart& part, Eigen::Index column) {
     Say say;
-    const Eigen::ArrayXd sizes = part.values.col(column).array().abs();
+    const Eigen::ArrayXd sizes = part.strength * part.values.col(column).array().abs();
     say.highest = sizes.maxCoeff();
     Eigen::Index first = 0, last = sizes.size() - 1;
     while (sizes[first] < kNearHighest * say.highest) {
@@ -34,14 +37,17 @@ Say say_in(const ExpressionPart& part, Eigen::Index column) {
     }
     say.begin = time_of_row(part, first);
     say.end = time_of_row(part, last);
-    say.log_dominance =
-        std::log(part.dominance) + 2 * std::log(std::max(kLeastHighest, part.strength * say.highest));
     return say;
 }
 
-double log_weight(const Say& say, double seconds, const CompositionOptions& options) {
+/// size: of the part's value at that time, its strength included.
+double log_weight(const Say& say, double log_share, double size, double seconds,
+                  const CompositionOptions& options) {
     const double apart = std::max({0., say.begin - seconds, seconds - say.end});
-    return say.log_dominance - options.fading * std::pow(apart, options.exponent);
+    const double faded =
+        log_alpha(log_share, say.highest) - options.fading * std::pow(apart, options.exponent);
+    // What is held below its highest is not given up to an expression that leaves the muscle alone
+    return std::max(faded, log_alpha(log_share, size));
 }
 
 /// A row of a table at a time of the part, between two rows in proportion.
@@ -91,20 +97,22 @@ Composition compose_expressions(const std::vector<ExpressionPart>& parts, Vector
     Composition composed{MatrixRows::Zero(count, width), MatrixRows::Zero(count, width)};
     for (Eigen::Index i = 0; i < count; ++i) {
         // Logarithms: far from all of them every dominance is 0 in a double
-        Eigen::ArrayXXd weights(num_parts, width);
+        Eigen::ArrayXXd weights(num_parts, width), values(num_parts, width);
         for (Eigen::Index p = 0; p < num_parts; ++p) {
+            const ExpressionPart& part = parts[static_cast<std::size_t>(p)];
+            values.row(p) = row_at(part, part.values, seconds[i]);
             for (Eigen::Index c = 0; c < width; ++c) {
                 const Say& say = says[static_cast<std::size_t>(p)][static_cast<std::size_t>(c)];
-                weights(p, c) = log_weight(say, seconds[i], options);
+                weights(p, c) =
+                    log_weight(say, std::log(part.dominance), std::abs(values(p, c)), seconds[i], options);
             }
         }
         weights = (weights.rowwise() - weights.colwise().maxCoeff()).exp();
         weights.rowwise() /= weights.colwise().sum();
         for (Eigen::Index p = 0; p < num_parts; ++p) {
             const ExpressionPart& part = parts[static_cast<std::size_t>(p)];
-            const Eigen::ArrayXXd values = row_at(part, part.values, seconds[i]).array();
             const Eigen::ArrayXXd stds = row_at(part, part.stds, seconds[i]).array();
-            composed.values.row(i).array() += weights.row(p) * values;
+            composed.values.row(i).array() += weights.row(p) * values.row(p);
             composed.stds.row(i).array() += (weights.row(p) * stds).square();
         }
     }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "drawn_range.hpp"
+#include "events.hpp"
 
 namespace mimetic {
 namespace {
@@ -80,18 +81,62 @@ Eigen::VectorXd fitted_rates(VectorIn frames, VectorIn values, const PhaseFit& f
     return rates_of(with_event(values, fit, event));
 }
 
+/// Both curves at every frame of the stretch of rows in which their events are, as straight lines have them.
+struct EvenCurves {
+    Eigen::VectorXd frames, leader, curve;
+    PhaseFit leader_fit, fit;
+};
+
+Eigen::VectorXd at_frames(VectorIn at, VectorIn frames, VectorIn values) {
+    return at.unaryExpr([&](double frame) {
+        const int after = std::clamp(row_of(frames, frame), 1, static_cast<int>(frames.size()) - 1);
+        const double share = (frame - frames[after - 1]) / (frames[after] - frames[after - 1]);
+        return (1 - share) * values[after - 1] + share * values[after];
+    });
+}
+
+/// None where the events are in different stretches.
+std::optional<EvenCurves> on_even_frames(VectorIn frames, VectorIn leader, const PhaseFit& leader_fit,
+                                         VectorIn curve, const PhaseFit& fit,
+                                         const std::vector<double>& scene_starts) {
+    for (const Stretch& stretch : stretches(frames, scene_starts)) {
+        const auto has = [&](const PhaseFit& one) {
+            return one.first >= stretch.first && one.last <= stretch.last;
+        };
+        if (!has(leader_fit) || !has(fit)) {
+            continue;
+        }
+        const int count = stretch.last - stretch.first + 1;
+        const Eigen::VectorXd own = frames.segment(stretch.first, count);
+        const auto num_even = static_cast<Eigen::Index>(std::floor(own[count - 1] - own[0] + 1e-6)) + 1;
+        EvenCurves even{
+            Eigen::VectorXd::LinSpaced(num_even, own[0], own[0] + static_cast<double>(num_even - 1)),
+            leader.segment(stretch.first, count), curve.segment(stretch.first, count), leader_fit, fit};
+        for (PhaseFit* one : {&even.leader_fit, &even.fit}) {
+            one->first = row_of(even.frames, frames[one->first]);
+            one->last = row_of(even.frames, frames[one->last]);
+        }
+        if (num_even != count || (even.frames - own).cwiseAbs().maxCoeff() > 1e-9) {
+            even.leader = at_frames(even.frames, own, even.leader);
+            even.curve = at_frames(even.frames, own, even.curve);
+        }
+        return even;
+    }
+    return std::nullopt;
+}
+
 /// Of what the noise about both fits makes of the lag. How the capture bends a curve's shape is left out: it
 /// moves onset and exponent against each other, hardly the middle of an application, which a lag depends on.
-Interval lag_interval(VectorIn frames, VectorIn leader, PhaseFit leader_fit, VectorIn curve, PhaseFit fit,
-                      Span span, const DelayOptions& options, double lag) {
+Interval lag_interval(const EvenCurves& even, Span span, const DelayOptions& options, double lag) {
+    PhaseFit leader_fit = even.leader_fit, fit = even.fit;
     leader_fit.shape_std = fit.shape_std = 0;
-    const Eigen::MatrixXd first = draw_curves(leader_fit, frames, options.num_draws, options.seed);
-    const Eigen::MatrixXd second = draw_curves(fit, frames, options.num_draws, options.seed + 1);
+    const Eigen::MatrixXd first = draw_curves(leader_fit, even.frames, options.num_draws, options.seed);
+    const Eigen::MatrixXd second = draw_curves(fit, even.frames, options.num_draws, options.seed + 1);
     std::vector<double> lags;
     lags.reserve(static_cast<std::size_t>(options.num_draws));
     for (int k = 0; k < options.num_draws; ++k) {
-        lags.push_back(correlation_peak(rates_of(with_event(leader, leader_fit, first.col(k))),
-                                        rates_of(with_event(curve, fit, second.col(k))), span,
+        lags.push_back(correlation_peak(rates_of(with_event(even.leader, leader_fit, first.col(k))),
+                                        rates_of(with_event(even.curve, fit, second.col(k))), span,
                                         options.max_lag)
                            .lag);
     }
@@ -149,15 +194,20 @@ std::optional<Delay> estimate_delay(VectorIn frames, VectorIn leader, const Phas
         fit.begins_before || std::abs(apart) > options.max_lag) {
         return std::nullopt;
     }
+    const auto even = on_even_frames(frames, leader, leader_fit, curve, fit, options.scene_starts);
+    if (!even || even->frames.size() < 5) {
+        return std::nullopt;
+    }
     const double begin = std::min(fit.shape.onset, leader_fit.shape.onset) - kAround;
     const double end = std::max(fit.shape.apex(), leader_fit.shape.apex()) + kAround;
-    const Span span{row_of(frames, begin), row_of(frames, end)};
-    const Eigen::VectorXd first = rates_of(leader), second = rates_of(curve);
-    const Peak peak = correlation_peak(fitted_rates(frames, leader, leader_fit),
-                                       fitted_rates(frames, curve, fit), span, options.max_lag);
+    const Span span{row_of(even->frames, begin), row_of(even->frames, end)};
+    const Eigen::VectorXd first = rates_of(even->leader), second = rates_of(even->curve);
+    const Peak peak =
+        correlation_peak(fitted_rates(even->frames, even->leader, even->leader_fit),
+                         fitted_rates(even->frames, even->curve, even->fit), span, options.max_lag);
     Delay delay;
     delay.correlation = correlation_peak(first, second, span, options.max_lag).correlation;
-    delay.lag = lag_interval(frames, leader, leader_fit, curve, fit, span, options, peak.lag);
+    delay.lag = lag_interval(*even, span, options, peak.lag);
     delay.onset_lag = apart;
     delay.apex_lag = fit.shape.apex() - leader_fit.shape.apex();
     delay.chance = chance_of(first, second, span, options.max_lag, delay.correlation);

@@ -51,9 +51,13 @@ int weakest(const std::vector<Peak>& peaks, VectorIn values, double base, const 
     return weakest;
 }
 
-EventRows around(const Peak& peak, VectorIn values, int first_row, int last_row) {
+/// is_first, is_last: among the peaks of its stretch of rows.
+EventRows around(const Peak& peak, VectorIn values, int first_row, int last_row, bool is_first,
+                 bool is_last) {
     EventRows event{peak.valley_before, peak.valley_after, peak.row};
     const double top = values[peak.row];
+    const double base = std::min(values[peak.valley_before], values[peak.valley_after]);
+    const auto is_high = [&](int row) { return values[row] - base > kCut * (top - base); };
     const auto rests = [&](int row, int valley) {
         return values[row] - values[valley] <= kAtRest * (top - values[valley]);
     };
@@ -66,6 +70,13 @@ EventRows around(const Peak& peak, VectorIn values, int first_row, int last_row)
     }
     event.first = std::max({first_row, peak.valley_before, begin - kRestAround});
     event.last = std::min({last_row, peak.valley_after, end + kRestAround});
+    // What is held to the end of a stretch has a dip of noise for its valley there, and rests nowhere
+    if (is_first && is_high(peak.valley_before)) {
+        event.first = first_row;
+    }
+    if (is_last && is_high(peak.valley_after)) {
+        event.last = last_row;
+    }
     const int first = event.first, last = event.last;
     if (last - first > kLongestEvent) {  // of a longer one what is about its peak
         event.first = std::max(first, std::min(peak.row - kLongestEvent / 2, last - kLongestEvent));
@@ -76,8 +87,6 @@ EventRows around(const Peak& peak, VectorIn values, int first_row, int last_row)
         held += values[row] - values[peak.valley_before] > kHeld * (top - values[peak.valley_before]);
     }
     event.is_long = held >= kLongHold;
-    const double base = std::min(values[peak.valley_before], values[peak.valley_after]);
-    const auto is_high = [&](int row) { return values[row] - base > kCut * (top - base); };
     event.begins_before = (event.first == first_row || event.first > first) && is_high(event.first);
     event.ends_after = (event.last == last_row || event.last < last) && is_high(event.last);
     return event;
@@ -114,8 +123,8 @@ void find_in(VectorIn values, int first, int last, const PhaseOptions& options,
         peaks.erase(peaks.begin() + weak);
         set_valleys();
     }
-    for (const Peak& peak : peaks) {
-        const EventRows event = around(peak, values, first, last);
+    for (std::size_t i = 0; i < peaks.size(); ++i) {
+        const EventRows event = around(peaks[i], values, first, last, i == 0, i + 1 == peaks.size());
         if (event.last - event.first >= 5) {
             events.push_back(event);
         }
@@ -124,8 +133,8 @@ void find_in(VectorIn values, int first, int last, const PhaseOptions& options,
 
 }  // namespace
 
-std::vector<EventRows> find_events(VectorIn frames, VectorIn values, const PhaseOptions& options) {
-    std::vector<EventRows> events;
+std::vector<Stretch> stretches(VectorIn frames, const std::vector<double>& scene_starts) {
+    std::vector<Stretch> found;
     const int count = static_cast<int>(frames.size());
     std::vector<double> steps;
     for (int row = 1; row < count; ++row) {
@@ -134,11 +143,21 @@ std::vector<EventRows> find_events(VectorIn frames, VectorIn values, const Phase
     const double apart = kOneApart * median(std::move(steps));  // a scene may have several frames a row
     for (int first = 0; first < count;) {
         int last = first;
-        while (last + 1 < count && frames[last + 1] - frames[last] < apart) {
+        const auto is_cut = [&](double start) { return start > frames[last] && start <= frames[last + 1]; };
+        while (last + 1 < count && frames[last + 1] - frames[last] < apart &&
+               std::none_of(scene_starts.begin(), scene_starts.end(), is_cut)) {
             ++last;
         }
-        find_in(values, first, last, options, events);
+        found.push_back({first, last});
         first = last + 1;
+    }
+    return found;
+}
+
+std::vector<EventRows> find_events(VectorIn frames, VectorIn values, const PhaseOptions& options) {
+    std::vector<EventRows> events;
+    for (const Stretch& stretch : stretches(frames, options.scene_starts)) {
+        find_in(values, stretch.first, stretch.last, options, events);
     }
     return events;
 }

@@ -66,6 +66,18 @@ TEST(Composition, StrengthLengthAndDominanceAreHeeded) {
     EXPECT_NEAR(yielding.values(110, 0), .8 * std::pow(std::sin(M_PI * .1), 2), .01);
 }
 
+TEST(Composition, WhatIsHeldIsNotGivenUpToAnExpressionThatLeavesTheMuscleAlone) {
+    ExpressionPart smile = bump(0, .8, 0, 9), brows = bump(1, .6, 6, 2);
+    smile.values.col(0).segment(8, kRows - 16).setConstant(.6);
+    for (const double idle : {0., .01}) {
+        brows.values.col(0).setConstant(idle);
+        const Composition composed = compose_expressions({smile, brows}, seconds(9, 271));
+        for (Eigen::Index i = 90; i < 180; ++i) {
+            EXPECT_NEAR(composed.values(i, 0), .6, 1e-3);
+        }
+    }
+}
+
 TEST(Composition, FarFromAllExpressionsItRests) {
     const Composition composed = compose_expressions({bump(0, .8, 0), bump(1, .5, 1000)}, seconds(2000, 5));
     EXPECT_TRUE(composed.values.allFinite());

@@ -211,6 +211,35 @@ TEST(Phases, WhatTheClipCutsIsMarked) {
     EXPECT_NEAR(late.onset.value, 74, 1);
 }
 
+TEST(Phases, WhatIsHeldWhereAClipOrASceneBeginsOrEndsIsMarkedWhateverItsNoise) {
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal(0, .01);
+    for (const bool has_cut : {false, true}) {
+        PhaseOptions options;
+        const Eigen::Index begin = has_cut ? 15 : 0;
+        if (has_cut) {
+            options.scene_starts = {frames[begin]};
+        }
+        for (int trial = 0; trial < 10; ++trial) {
+            Eigen::VectorXd held = Eigen::VectorXd::Zero(kFrames);
+            for (Eigen::Index i = begin; i < kFrames; ++i) {
+                held[i] = .6 * std::clamp((60. - static_cast<double>(i)) / 8, 0., 1.) + normal(random);
+            }
+            const auto fits = fit_phases(frames, held, stds, all, options);
+            ASSERT_FALSE(fits.empty());
+            const auto top = std::max_element(fits.begin(), fits.end(), [](const auto& a, const auto& b) {
+                return a.shape.amplitude < b.shape.amplitude;
+            });
+            EXPECT_TRUE(top->begins_before) << has_cut << trial;
+            EXPECT_EQ(top->first, begin);
+            if (!has_cut) {
+                const Eigen::VectorXd turned = held.reverse();
+                EXPECT_TRUE(largest_event(turned).ends_after) << trial;
+            }
+        }
+    }
+}
+
 TEST(Phases, OfAnEventThatLastsAMinuteWhatIsAboutItsPeakIsFitted) {
     const int count = 1500;
     const Eigen::VectorXd rows = Eigen::VectorXd::LinSpaced(count, 1, count);
@@ -280,6 +309,29 @@ TEST(Delays, AFootThatIsCutOffOneCurveDoesNotMoveTheLag) {
     ASSERT_TRUE(of_whole && of_cut);
     EXPECT_NEAR(of_cut->lag.value, of_whole->lag.value, .05);
     EXPECT_LT(of_cut->lag.upper - of_cut->lag.lower, 2);
+}
+
+TEST(Delays, AreInFramesWhereRowsAreSeveralApartAndNotToldOverACut) {
+    const Eigen::VectorXd first = captured(smile(20), .003, 1), late = captured(smile(26), .003, 2);
+    const PhaseFit one = largest_event(first), other = largest_event(late);
+    const Eigen::VectorXd half = frames(Eigen::seqN(0, kFrames / 2, 2));
+    const Eigen::VectorXd first_half = first(Eigen::seqN(0, kFrames / 2, 2));
+    const Eigen::VectorXd late_half = late(Eigen::seqN(0, kFrames / 2, 2));
+    const Eigen::VectorXd half_stds = Eigen::VectorXd::Constant(kFrames / 2, stds[0]);
+    const std::vector<bool> half_all(kFrames / 2, true);
+    const auto of_half = [&](const Eigen::VectorXd& curve) {
+        const auto fits = fit_phases(half, curve, half_stds, half_all);
+        return *std::max_element(fits.begin(), fits.end(), [](const PhaseFit& a, const PhaseFit& b) {
+            return a.shape.amplitude < b.shape.amplitude;
+        });
+    };
+    const auto delay = estimate_delay(half, first_half, of_half(first_half), late_half, of_half(late_half));
+    ASSERT_TRUE(delay.has_value());
+    EXPECT_NEAR(delay->lag.value, 6, .5);
+    DelayOptions cut;
+    cut.scene_starts = {23};
+    EXPECT_TRUE(estimate_delay(frames, first, one, late, other).has_value());
+    EXPECT_FALSE(estimate_delay(frames, first, one, late, other, cut).has_value());
 }
 
 TEST(Delays, WhatIsUncertainCutOrFarAwayGivesNone) {

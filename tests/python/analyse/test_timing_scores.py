@@ -26,11 +26,11 @@ def shape_of(onset, amplitude):
     return shape
 
 
-def smiling(mouth=20.0, eyes=23.0, right=0.7):
+def smiling(mouth=20.0, eyes=23.0, left=0.7, right=0.7):
     """Mouth and eyes fire, all else is silent; the groups of the sample have 8 and 4 muscles."""
     rng = np.random.default_rng(3)
     activations = np.abs(rng.normal(0, 0.002, (FRAMES, 36)))
-    activations[:, 0:8:2] += firing(mouth)[:, None]
+    activations[:, 0:8:2] += firing(mouth, left)[:, None]
     activations[:, 1:8:2] += firing(mouth, right)[:, None]
     if eyes is not None:
         activations[:, 32:] += firing(eyes, 0.5)[:, None]
@@ -93,6 +93,24 @@ def test_no_delay_is_told_of_groups_that_fire_together_or_not_at_all():
     [pair] = analyse_timing(smiling(eyes=20.0), kinds=("group",)).delays
     assert not pair.delay.is_delayed
     assert analyse_timing(smiling(eyes=None), kinds=("group",)).delays == []
+
+
+def test_a_scene_that_begins_in_a_smile_shows_no_onset():
+    cut = replace(smiling(), scene_starts=np.array([34]))
+    before, smile = smiles_of(analyse_timing(cut, kinds=("group", "side")))
+    assert before.event.fit.ends_after and before.event.fit.last == 32
+    assert smile.event.fit.begins_before and smile.event.fit.first == 33
+    assert np.isnan(smile.onset_seconds.value) and smile.eye_delay is None
+    words = summary_of(smile)
+    assert "its onset is not known" in words and "which began first is not known" in words
+
+
+@pytest.mark.parametrize(("left", "right"), [(0.7, 0.0), (0.0, 0.7), (0.7, 0.02)])
+def test_a_smile_of_one_side_is_uneven(left, right):
+    [smile] = smiles_of(analyse_timing(smiling(left=left, right=right), kinds=("group", "side")))
+    assert smile.asymmetry.value == pytest.approx((left - right) / (left + right), abs=0.05)
+    assert np.sign(smile.asymmetry.lower) == np.sign(smile.asymmetry.upper) == np.sign(left - right)
+    assert ("left" if left > right else "right") in summary_of(smile)
 
 
 def test_a_smile_says_no_more_than_its_numbers():

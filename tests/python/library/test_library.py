@@ -239,6 +239,7 @@ def test_the_commands_keep_list_mirror_and_compose(tmp_path, capsys):
         (["list", "{library}x"], "a library is the folder"),
         (["mirror", "{library}", "frown", "--as", "x"], "has no expression frown; it has smile"),
         (["compose", "{library}", "smile@@", "--out", "{library}/x.npz"], "is no expression of"),
+        (["compose", "{library}", "smile@-60", "--out", "{library}/x.npz"], "ends before 0 s"),
         (["compose", "{library}", "smile", "--out", "{library}/x.txt"], "is an .npz file"),
         (["compose", "{library}", "smile", "--out", "{take}", "--person", "{take}"], "take.npz"),
     ],

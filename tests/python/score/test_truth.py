@@ -39,6 +39,8 @@ def test_numbers_by_themselves_are_read(tmp_path, truth):
         ("tracks", np.zeros((3, 2, 2)), "tracks has the shape"),
         ("points", "nan", "points is not finite"),
         ("visible", np.zeros((40, 40)), "visible has the type"),
+        ("head_pose", np.tile(np.diag([-1.0, 1, 1, 1]), (40, 1, 1)), "not a rigid motion"),
+        ("head_pose", np.tile(np.eye(4), (40, 1, 1)), "before the camera"),
         ("schema", np.array([2]), "schema 2"),
         ("units", np.array(["jawOpen"]), "both or none of units and unit_values"),
         ("muscles", np.array([{}], object), "Python objects"),

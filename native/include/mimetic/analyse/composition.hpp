@@ -21,8 +21,8 @@ struct ExpressionPart {
 /// The dominance functions of [Cohen and Massaro 1993], one for each expression and muscle: alpha exp(-theta
 /// |t|^c), where t is the time to the span in which the expression has the muscle near its highest. A
 /// muscle's value is the mean of all expressions' values weighted by dominance. alpha is the square of that
-/// highest value, so that an expression has no say in muscles that it leaves alone, and plays unchanged
-/// alone.
+/// highest value, and at no time a dominance is less than the square of the value then: an expression has no
+/// say in muscles that it leaves alone, keeps what it holds, and plays unchanged alone.
 struct CompositionOptions {
     double fading = 8;    ///< theta, 1 / second^c, 0 to 1000
     double exponent = 1;  ///< c, .1 to 4

@@ -10,7 +10,8 @@ struct DelayOptions {
     double timing_std = .3;  ///< frames: s.d. of a capture's timing between two curves, beside noise
     int num_draws = 200;     ///< of the noise about both fits, 0 to 10000
     unsigned seed = 1;
-    void check() const;  ///< throws InvalidInput: field, value, limit
+    std::vector<double> scene_starts;  ///< frames at which scenes begin: events of two have no delay
+    void check() const;                ///< throws InvalidInput: field, value, limit
 };
 
 /// How much later the application of one curve comes than that of another.
@@ -24,8 +25,9 @@ struct Delay {
 };
 
 /// The delay of an event of `curve` (N) behind one of `leader` (N). None where either is not certain or
-/// begins before the clip, or where their applications are more than max_lag apart. Throws InvalidInput on
-/// other lengths.
+/// begins before the clip, where their applications are more than max_lag apart, or a scene begins or frames
+/// are missing between them. Frames may be several apart: lags are in frames, not in rows. Throws
+/// InvalidInput on other lengths.
 std::optional<Delay> estimate_delay(VectorIn frames, VectorIn leader, const PhaseFit& leader_fit,
                                     VectorIn curve, const PhaseFit& fit, const DelayOptions& options = {});
 

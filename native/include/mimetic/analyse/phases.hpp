@@ -68,7 +68,8 @@ struct PhaseOptions {
                                    ///< distorted, as a multiple of its value's s.d. over its amplitude
     int num_draws = 100;           ///< of the parametric bootstrap, 0 to 10000
     unsigned seed = 1;
-    void check() const;  ///< throws InvalidInput: field, value, limit
+    std::vector<double> scene_starts;  ///< frames at which scenes begin: no event goes over one
+    void check() const;                ///< throws InvalidInput: field, value, limit
 };
 
 /// The muscles whose mean a curve is, and what the pictures say about them.

@@ -6,11 +6,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from mimetic import _core
 from mimetic.analyse.tables import interval_cells
-from mimetic.analyse.timing import Event, GroupDelay, Timing
+from mimetic.analyse.timing import SIDES, Event, GroupDelay, Timing
 
 MOUTH, EYES = 1, 7  # groups
+WITHIN = 1.96  # standard deviations, within which 95 % lie
 
 
 @dataclass(frozen=True)
@@ -125,25 +128,47 @@ def _overlap(one: Event, other: Event) -> float:
 
 
 def _asymmetry(event: Event, timing: Timing) -> Estimate:
-    """Of the mouth group's two sides, by the events that overlap most."""
-    sides = []
-    for side in (".L", ".R"):
-        same = [
-            other
-            for other in timing.of_kind("side")
-            if other.curve.group == MOUTH
-            and other.curve.name.endswith(side)
-            and _overlap(other, event) > 0
-        ]
-        if not same:
-            return Estimate(math.nan, math.nan, math.nan)
-        sides.append(max(same, key=lambda other: _overlap(other, event)).fit.amplitude)
-    left, right = (_about(side) for side in sides)
+    """Of the mouth group's two sides, where one of them has an event at least."""
+    events = [_side_event(side, event, timing) for side in SIDES]
+    if not any(events):
+        return Estimate(math.nan, math.nan, math.nan)
+    strongest = max(filter(None, events), key=lambda one: one.fit.amplitude.value)
+    left, right = (
+        _about(own.fit.amplitude) if own else _rise(side, strongest, timing)
+        for side, own in zip(SIDES, events, strict=True)
+    )
     whole = left.value + right.value
     value = (left.value - right.value) / whole
     slopes = (2 * right.value / whole**2, 2 * left.value / whole**2)
     spread = math.hypot(slopes[0] * _half(left), slopes[1] * _half(right))
     return Estimate(value, max(-1.0, value - spread), min(1.0, value + spread))
+
+
+def _side_event(side: str, event: Event, timing: Timing) -> Event | None:
+    """That of one side of the mouth which overlaps most."""
+    same = [
+        other
+        for other in timing.of_kind("side")
+        if other.curve.group == MOUTH
+        and other.curve.name.endswith(side)
+        and _overlap(other, event) > 0
+    ]
+    return max(same, key=lambda other: _overlap(other, event), default=None)
+
+
+def _rise(side: str, other: Event, timing: Timing) -> Estimate:
+    """How far one side of the mouth rises, which has no event, while the other side has one."""
+    curve = next(
+        curve
+        for curve in timing.curves
+        if curve.kind == "side" and curve.group == MOUTH and curve.name.endswith(side)
+    )
+    frames = (other.fit.onset.value, other.fit.apex.value)
+    values, stds = (
+        np.interp(frames, timing.performance.frame, y) for y in (curve.values, curve.stds)
+    )
+    value, spread = max(0.0, float(values[1] - values[0])), WITHIN * math.hypot(*stds)
+    return Estimate(value, value - spread, value + spread)
 
 
 def _about(interval: _core.Interval) -> Estimate:
@@ -185,7 +210,7 @@ def summary_of(smile: Smile) -> str:
     """What the numbers say, in words, and no more."""
     parts = [f"Lip corners, event {smile.event.number}, peak {_amplitude(smile.event)}."]
     if smile.event.fit.begins_before:
-        parts.append("It is there when the clip begins: its onset is not known.")
+        parts.append("It is there when the clip, or its scene, begins: its onset is not known.")
     else:
         onset = smile.onset_seconds
         parts.append(
@@ -212,6 +237,9 @@ def _eye_words(smile: Smile) -> str:
         f"({ratio.lower:.1f} to {ratio.upper:.1f})"
     )
     if smile.eye_delay is None:
+        events = smile.event, smile.eye_event
+        if any(event.fit.begins_before for event in events):
+            return f"{words}; which began first is not known."
         return f"{words}; it begins too far apart for a delay to be measured."
     lag = smile.eye_delay.delay.lag
     times = f"{lag.value:+.1f} frames, {lag.lower:+.1f} to {lag.upper:+.1f}"

@@ -79,17 +79,19 @@ def analyse_timing(
     frames = performance.frame.astype(np.float64)
     usable = (performance.quality >= HELD_QUALITY).tolist()
     courses = measured_courses(performance)
+    starts = [float(frames[scene.start]) for scene in performance.scenes[1:]]
     events = []
     for i, curve in enumerate(curves):
         progress(0.9 * i / len(curves), f"fitting phases: {curve.name}")
         options = _phase_options(curve, courses is not None)
+        options.scene_starts = starts
         fits = _core.fit_phases(
             *(frames, curve.values, curve.stds, usable, options, courses, curve.members)
         )
         events += [Event(curve, number, fit) for number, fit in enumerate(fits, 1)]
     progress(0.9, "delays between groups")
     groups = [event for event in events if event.curve.kind == "group"]
-    return Timing(performance, curves, events, list(_delays(frames, groups)))
+    return Timing(performance, curves, events, list(_delays(frames, groups, starts)))
 
 
 def measured_courses(performance: Performance) -> _core.MeasuredCourses | None:
@@ -130,12 +132,17 @@ def curves_of(performance: Performance) -> Iterator[Curve]:
         yield Curve(kind, name, group, values, stds, float(means.measured_std[i]), members[i])
 
 
-def _delays(frames: NDArray[np.float64], events: list[Event]) -> Iterator[GroupDelay]:
+def _delays(
+    frames: NDArray[np.float64], events: list[Event], starts: list[float]
+) -> Iterator[GroupDelay]:
+    """starts: frames at which scenes after the first begin."""
+    options = _core.DelayOptions()
+    options.scene_starts = starts
     for leader, follower in combinations(events, 2):
         if leader.curve is follower.curve:
             continue
         delay = _core.estimate_delay(
-            frames, leader.curve.values, leader.fit, follower.curve.values, follower.fit
+            frames, leader.curve.values, leader.fit, follower.curve.values, follower.fit, options
         )
         if delay is not None:
             yield GroupDelay(leader, follower, delay)

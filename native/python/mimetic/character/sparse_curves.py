@@ -18,7 +18,7 @@ CURVE_STD = 0.05  # of an activation, about what captures say of theirs; phases 
 # The error of a rotation, radians, over that of the worst of its parts: at most so much
 TURN_ERRORS = {"rotation_quaternion": 4.0, "rotation_euler": 3.0, "rotation_axis_angle": 8.0}
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-4, 0.5
-SAME_FRAME = 0.05  # of a frame: a curve hardly bends on so short a way
+SAME_FRAME = 1e-3  # of a frame: nearer than that a curve is at the same value
 
 
 @dataclass(frozen=True)

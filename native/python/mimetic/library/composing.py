@@ -126,6 +126,10 @@ def play(
     if not pairs:
         raise InvalidInput("name an expression to compose")
     whole = max(_end(placing, expression) for placing, expression in pairs)
+    if whole <= 0:
+        raise InvalidInput(
+            "nothing is left to compose: every expression ends before 0 s; begin one of them later"
+        )
     stretch = 1.0 if seconds is None else seconds / whole
     if not 0 < whole * stretch <= MOST_SECONDS:
         raise InvalidInput(

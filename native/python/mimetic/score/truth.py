@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.performance.clip_keys import check_clip
 from mimetic.shared.array_document import ArrayDocument
 from mimetic.shared.array_file import check_names, check_shape, is_bounded, open_arrays
@@ -120,9 +120,12 @@ class Truth:
         for names, values in NAMED.items():
             if (getattr(self, names) is None) != (getattr(self, values) is None):
                 raise InvalidInput(f"truth needs both or none of {names} and {values}")
-        rotation = self.head_pose[:, :3, :3]
-        if np.abs(rotation @ rotation.transpose(0, 2, 1) - np.eye(3)).max() > 1e-4:
-            raise InvalidInput("truth head_pose is not a rigid motion")
+        is_bad = ~_core.are_rigid(self.head_pose, 1e-4) | (self.head_pose[:, 2, 3] <= 0)
+        if is_bad.any():
+            raise InvalidInput(
+                f"truth head_pose of frame {self.frame[is_bad.argmax()]} is not a rigid motion "
+                "of a head before the camera"
+            )
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the file whole or not at all."""
