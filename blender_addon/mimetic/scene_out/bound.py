@@ -134,7 +134,7 @@ def _has_deltas(obj: bpy.types.Object) -> bool:
 
 def motion(scene: bpy.types.Scene, performance, head: bpy.types.Object):
     """`mimetic.rig_motion.Channels` of a head with muscles, which turns about its centre."""
-    with standing.at_rest(scene, head):
+    with standing.at_rest(head):
         return native.bound_head().head_channels(
             performance,
             native.array(world.matrix(head)) @ object_from_character(scene, head),

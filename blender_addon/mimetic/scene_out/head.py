@@ -156,7 +156,7 @@ def _object_channels(scene, obj, performance, target: Target):
             target.translation_scale,
         )
     else:
-        with standing.at_rest(scene, obj):
+        with standing.at_rest(obj):
             axes = parts.axes_of(native.array(world.matrix(obj)), target.facing)
             channels = parts.carried_channels(
                 _motion(performance, target),

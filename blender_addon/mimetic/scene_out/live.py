@@ -150,7 +150,7 @@ def write_values(face: bpy.types.Object, values) -> None:
 
 def stand_of(scene: bpy.types.Scene, face: bpy.types.Object):
     """Where a face's object stands: `mimetic.puppet.driven_face.Stand`."""
-    with standing.at_rest(scene, face):
+    with standing.at_rest(face):
         return native.puppet("driven_face").Stand(
             native.array(world.matrix(face)) @ bound.object_from_character(scene, face),
             native.array(face.location),

@@ -102,7 +102,7 @@ def _key_head(scene, performance, take: str, character, frames) -> int:
 def _motion(scene: bpy.types.Scene, performance, character: bpy.types.Object):
     """`mimetic.rig_motion.Channels` of a character without muscles."""
     units = 1.0 / (scene.unit_settings.scale_length or 1.0)
-    with standing.at_rest(scene, character):
+    with standing.at_rest(character):
         return native.bound_head().head_channels(
             performance,
             _world_from_character(scene, character, units),

@@ -72,7 +72,7 @@ def put_back(obj: bpy.types.Object, action: bpy.types.Action, paths: set[str]) -
 
 
 @contextmanager
-def at_rest(scene: bpy.types.Scene, obj: bpy.types.Object) -> Iterator[None]:
+def at_rest(obj: bpy.types.Object) -> Iterator[None]:
     """While it lasts, an object that takes of ours move stands as it did before them."""
     bpy.context.evaluated_depsgraph_get()  # what is still to be evaluated would move it again
     before = _now(obj)

@@ -101,10 +101,10 @@ Composition compose_expressions(const std::vector<ExpressionPart>& parts, Vector
         for (Eigen::Index p = 0; p < num_parts; ++p) {
             const ExpressionPart& part = parts[static_cast<std::size_t>(p)];
             values.row(p) = row_at(part, part.values, seconds[i]);
+            const double log_share = std::log(part.dominance);
             for (Eigen::Index c = 0; c < width; ++c) {
                 const Say& say = says[static_cast<std::size_t>(p)][static_cast<std::size_t>(c)];
-                weights(p, c) =
-                    log_weight(say, std::log(part.dominance), std::abs(values(p, c)), seconds[i], options);
+                weights(p, c) = log_weight(say, log_share, std::abs(values(p, c)), seconds[i], options);
             }
         }
         weights = (weights.rowwise() - weights.colwise().maxCoeff()).exp();

@@ -44,11 +44,14 @@ Eigen::VectorXd captured(const PhaseShape& shape, double noise, unsigned seed) {
 }
 
 /// The largest event; smaller ones may be noise.
-PhaseFit largest_event(const Eigen::VectorXd& curve) {
-    const auto fits = fit_phases(frames, curve, stds, all);
+PhaseFit largest_of(const std::vector<PhaseFit>& fits) {
     return *std::max_element(fits.begin(), fits.end(), [](const PhaseFit& one, const PhaseFit& other) {
         return one.shape.amplitude < other.shape.amplitude;
     });
+}
+
+PhaseFit largest_event(const Eigen::VectorXd& curve) {
+    return largest_of(fit_phases(frames, curve, stds, all));
 }
 
 TEST(PhaseShape, IsContinuousAndAnExponentNearZeroIsStraight) {
@@ -227,11 +230,9 @@ TEST(Phases, WhatIsHeldWhereAClipOrASceneBeginsOrEndsIsMarkedWhateverItsNoise) {
             }
             const auto fits = fit_phases(frames, held, stds, all, options);
             ASSERT_FALSE(fits.empty());
-            const auto top = std::max_element(fits.begin(), fits.end(), [](const auto& a, const auto& b) {
-                return a.shape.amplitude < b.shape.amplitude;
-            });
-            EXPECT_TRUE(top->begins_before) << has_cut << trial;
-            EXPECT_EQ(top->first, begin);
+            const PhaseFit top = largest_of(fits);
+            EXPECT_TRUE(top.begins_before) << has_cut << trial;
+            EXPECT_EQ(top.first, begin);
             if (!has_cut) {
                 const Eigen::VectorXd turned = held.reverse();
                 EXPECT_TRUE(largest_event(turned).ends_after) << trial;
@@ -320,10 +321,7 @@ TEST(Delays, AreInFramesWhereRowsAreSeveralApartAndNotToldOverACut) {
     const Eigen::VectorXd half_stds = Eigen::VectorXd::Constant(kFrames / 2, stds[0]);
     const std::vector<bool> half_all(kFrames / 2, true);
     const auto of_half = [&](const Eigen::VectorXd& curve) {
-        const auto fits = fit_phases(half, curve, half_stds, half_all);
-        return *std::max_element(fits.begin(), fits.end(), [](const PhaseFit& a, const PhaseFit& b) {
-            return a.shape.amplitude < b.shape.amplitude;
-        });
+        return largest_of(fit_phases(half, curve, half_stds, half_all));
     };
     const auto delay = estimate_delay(half, first_half, of_half(first_half), late_half, of_half(late_half));
     ASSERT_TRUE(delay.has_value());
