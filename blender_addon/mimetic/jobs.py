@@ -28,6 +28,9 @@ NOTHING_CHANGED = "Stopped; nothing was changed"
 running: Run | None = None
 waiting: list[Run] = []
 _ending: list[threading.Thread] = []  # of jobs that Blender ended: they save what they have
+# When jobs last heard of anything. Blender passes on an Esc that has ended the playback, and
+# nothing plays by then.
+was_playing = False
 
 
 def busy() -> str:
@@ -131,6 +134,8 @@ class Modal(Greyed):
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
+        global was_playing
+        was_playing = is_playing()
         if self._run is not running and self._run not in waiting:
             # It waits no more, or the extension was switched off underneath
             self.leave(context)
@@ -310,7 +315,7 @@ class Job(Modal):
         if not event.type.startswith("TIMER"):
             self._pace.has_input()
         # Esc that ends the playback is not meant for us
-        if event.type == "ESC" and event.value == "PRESS" and not is_playing():
+        if event.type == "ESC" and event.value == "PRESS" and not was_playing:
             discard_running()
             return {"RUNNING_MODAL"}
         return {"PASS_THROUGH"}

@@ -129,17 +129,17 @@ def test_what_was_given_is_given_again(extension, scene):
 
 
 @pytest.mark.parametrize(
-    ("is_playing", "is_temporary", "is_stopped"),
+    ("was_playing", "is_temporary", "is_stopped"),
     [(False, False, True), (True, False, False), (False, True, False)],
 )
 def test_esc_in_another_window_stops_the_job(
-    extension, monkeypatch, is_playing, is_temporary, is_stopped
+    extension, monkeypatch, was_playing, is_temporary, is_stopped
 ):
     jobs, kind = extension("jobs"), extension("operators.stop").MIMETIC_OT_stop
     assert not bpy.ops.mimetic.stop.poll()  # Esc goes on to others
     run = jobs.Run("Capture")
     monkeypatch.setattr(jobs, "running", run)
-    monkeypatch.setattr(jobs, "is_playing", lambda: is_playing)
+    monkeypatch.setattr(jobs, "was_playing", was_playing)
     assert bpy.ops.mimetic.stop.poll()
     window = SimpleNamespace(screen=SimpleNamespace(is_temporary=is_temporary))
     context = SimpleNamespace(window=window, window_manager=bpy.context.window_manager)
@@ -149,3 +149,22 @@ def test_esc_in_another_window_stops_the_job(
     assert run.stop.is_set() == is_stopped
     if is_stopped:
         assert result()["operator"] == "mimetic.stop"
+
+
+def test_esc_that_ends_the_playback_leaves_the_job(extension, pressed, monkeypatch):  # noqa: F811
+    """Blender passes such a key on to the window's keymap, when nothing plays any more."""
+    jobs, (press, context, kind) = extension("jobs"), pressed
+    job, stop = press("clip"), extension("operators.stop").MIMETIC_OT_stop
+    assert job.invoke(context, None) == {"RUNNING_MODAL"}
+    run, playback = jobs.running, [True]
+    monkeypatch.setattr(jobs, "is_playing", lambda: bool(playback))
+    assert job.modal(context, ESC) == {"PASS_THROUGH"}
+    playback.clear()
+    window = SimpleNamespace(screen=SimpleNamespace(is_temporary=False))
+    there = SimpleNamespace(window=window, window_manager=bpy.context.window_manager)
+    operator = SimpleNamespace(bl_idname=stop.bl_idname)
+    assert stop.invoke(operator, there, ESC) == {"PASS_THROUGH"}
+    assert not run.stop.is_set()
+    assert job.modal(context, ESC) == {"RUNNING_MODAL"} and run.stop.is_set()
+    kind.gates["clip"].set()
+    end_of(job, context)

@@ -26,7 +26,7 @@ class MIMETIC_OT_stop(Greyed, Operator):
         """By the button; or by Esc in a window that is not the job's own, which hears it itself."""
         if event.type != "ESC":
             return self.execute(context)
-        if jobs.is_playing() or context.window.screen.is_temporary:
+        if jobs.was_playing or context.window.screen.is_temporary:
             return {"PASS_THROUGH"}  # it means the playback, or nothing
         jobs.discard_running()
         return outcome.finished(self, context, "")

@@ -3,8 +3,8 @@
 
 #include <cmath>
 #include <mimetic/head/mesh_frame.hpp>
-#include <mimetic/shared/rotations.hpp>
 #include <mimetic/shared/error.hpp>
+#include <mimetic/shared/rotations.hpp>
 #include <set>
 
 namespace mimetic {
