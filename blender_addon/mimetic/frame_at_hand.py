@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import editors, jobs, scene_in
+from . import editors, playback, scene_in
 
 
 class Playhead:
@@ -21,7 +21,7 @@ class Playhead:
         clip, scene = bpy.data.movieclips.get(clip_name), context.scene
         if clip is None or scene.name != self._scene_name or not _is_on_show(scene, clip):
             return False
-        if scene.frame_current != self._left_at or jobs.is_playing():
+        if scene.frame_current != self._left_at or playback.is_on():
             return False
         self._left_at = scene_in.scene_frame(clip, frame)
         if scene.frame_current == self._left_at:

@@ -18,7 +18,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from . import carrying, editors, native, outcome
+from . import carrying, editors, native, outcome, playback
 from .greyed import Greyed
 from .job_run import Run
 from .pace import Pace
@@ -28,9 +28,6 @@ NOTHING_CHANGED = "Stopped; nothing was changed"
 running: Run | None = None
 waiting: list[Run] = []
 _ending: list[threading.Thread] = []  # of jobs that Blender ended: they save what they have
-# When jobs last heard of anything. Blender passes on an Esc that has ended the playback, and
-# nothing plays by then.
-was_playing = False
 
 
 def busy() -> str:
@@ -134,8 +131,7 @@ class Modal(Greyed):
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
-        global was_playing
-        was_playing = is_playing()
+        playback.note()
         if self._run is not running and self._run not in waiting:
             # It waits no more, or the extension was switched off underneath
             self.leave(context)
@@ -315,7 +311,7 @@ class Job(Modal):
         if not event.type.startswith("TIMER"):
             self._pace.has_input()
         # Esc that ends the playback is not meant for us
-        if event.type == "ESC" and event.value == "PRESS" and not was_playing:
+        if event.type == "ESC" and event.value == "PRESS" and not playback.was_on:
             discard_running()
             return {"RUNNING_MODAL"}
         return {"PASS_THROUGH"}
@@ -397,9 +393,3 @@ def _redraw() -> None:
     """What shows how far jobs are: sidebars, and footage and time with what was followed."""
     editors.redraw_parts("WINDOW", *editors.OF_TAKES)
     editors.redraw_parts("UI", "CLIP_EDITOR", "VIEW_3D")
-
-
-def is_playing() -> bool:
-    """Whether a window plays the animation."""
-    windows = bpy.context.window_manager.windows
-    return any(window.screen.is_animation_playing for window in windows)

@@ -123,6 +123,18 @@ def test_a_second_take_keeps_the_first(scene, face):
     assert result()["takes"][0] != path
 
 
+def test_a_second_take_starts_from_where_the_head_stood_before_the_first(scene, face, extension):
+    face.location = (0.5, 0, 0)
+    starts = []
+    for first in (11, 11 + NUM_FRAMES - 1):  # at the take's end the head is elsewhere
+        scene.frame_set(first)
+        assert bpy.ops.mimetic.live() == {"FINISHED"}
+        curves = curves_of(extension, face)
+        starts.append([curves["location", axis].evaluate(first) for axis in range(3)])
+    assert starts[0] == pytest.approx([0.5, 0, 0], abs=1e-4)
+    assert starts[1] == pytest.approx(starts[0], abs=1e-4)
+
+
 @pytest.mark.oldest_and_newest
 def test_a_baked_faces_eyes_turn_by_their_own_shapes(scene, face, extension):
     assert bpy.ops.mimetic.live() == {"FINISHED"}

@@ -139,7 +139,7 @@ def test_esc_in_another_window_stops_the_job(
     assert not bpy.ops.mimetic.stop.poll()  # Esc goes on to others
     run = jobs.Run("Capture")
     monkeypatch.setattr(jobs, "running", run)
-    monkeypatch.setattr(jobs, "was_playing", was_playing)
+    monkeypatch.setattr(extension("playback"), "was_on", was_playing)
     assert bpy.ops.mimetic.stop.poll()
     window = SimpleNamespace(screen=SimpleNamespace(is_temporary=is_temporary))
     context = SimpleNamespace(window=window, window_manager=bpy.context.window_manager)
@@ -156,10 +156,10 @@ def test_esc_that_ends_the_playback_leaves_the_job(extension, pressed, monkeypat
     jobs, (press, context, kind) = extension("jobs"), pressed
     job, stop = press("clip"), extension("operators.stop").MIMETIC_OT_stop
     assert job.invoke(context, None) == {"RUNNING_MODAL"}
-    run, playback = jobs.running, [True]
-    monkeypatch.setattr(jobs, "is_playing", lambda: bool(playback))
+    run, playing = jobs.running, [True]
+    monkeypatch.setattr(extension("playback"), "is_on", lambda: bool(playing))
     assert job.modal(context, ESC) == {"PASS_THROUGH"}
-    playback.clear()
+    playing.clear()
     window = SimpleNamespace(screen=SimpleNamespace(is_temporary=False))
     there = SimpleNamespace(window=window, window_manager=bpy.context.window_manager)
     operator = SimpleNamespace(bl_idname=stop.bl_idname)

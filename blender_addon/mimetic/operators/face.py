@@ -5,9 +5,19 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, FloatVectorProperty, IntProperty
 from bpy.types import Operator
 
-from .. import carrying, clip_lens, clips, native, outcome, scene_in, scene_out, workspace
+from .. import (
+    carrying,
+    clip_lens,
+    clips,
+    native,
+    outcome,
+    playback,
+    scene_in,
+    scene_out,
+    workspace,
+)
 from ..greyed import Greyed
-from ..jobs import Job, is_playing
+from ..jobs import Job
 from . import arguments
 
 LARGEST = (-1.0, -1.0)  # no place: of several faces the largest is taken
@@ -77,7 +87,7 @@ class MIMETIC_OT_find_face(Job, Operator):
         facts = {"clip": clip_name, "frame": fit.frame, "rest": fit.rest_text()}
         self.facts = facts | {"warnings": warnings}
         # What was found is on show at once; frame_set() would leave the clip editors behind
-        if clip == scene_in.clip_of(context) and not is_playing():
+        if clip == scene_in.clip_of(context) and not playback.is_on():
             context.scene.frame_current = scene_in.scene_frame(clip, fit.frame)
         message = rpt_(
             "Face found in frame {frame}; drag its landmarks in the clip editor to pin them"

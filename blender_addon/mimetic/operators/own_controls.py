@@ -13,9 +13,9 @@ from .. import (
     control_preview,
     control_rows,
     editors,
-    jobs,
     native,
     outcome,
+    playback,
     scene_in,
     scene_out,
     takes,
@@ -249,7 +249,7 @@ class MIMETIC_OT_leave_preview(Operator):
     def modal(self, context, event):
         if control_preview.active is not self._shown:
             return {"FINISHED", "PASS_THROUGH"}
-        if event.type == "ESC" and event.value == "PRESS" and not jobs.is_playing():
+        if event.type == "ESC" and event.value == "PRESS" and not playback.is_on():
             control_preview.end()
             editors.redraw("VIEW_3D")
             return {"FINISHED"}

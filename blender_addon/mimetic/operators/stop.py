@@ -3,7 +3,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import IntProperty
 from bpy.types import Operator
 
-from .. import jobs, outcome
+from .. import jobs, outcome, playback
 from ..greyed import Greyed
 
 
@@ -26,7 +26,7 @@ class MIMETIC_OT_stop(Greyed, Operator):
         """By the button; or by Esc in a window that is not the job's own, which hears it itself."""
         if event.type != "ESC":
             return self.execute(context)
-        if jobs.was_playing or context.window.screen.is_temporary:
+        if playback.was_on or context.window.screen.is_temporary:
             return {"PASS_THROUGH"}  # it means the playback, or nothing
         jobs.discard_running()
         return outcome.finished(self, context, "")

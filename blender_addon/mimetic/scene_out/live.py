@@ -29,6 +29,7 @@ class LiveHead:
 
     def __init__(self, scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
         self._place_before = {path: tuple(getattr(obj, path)) for path in PLACE_PATHS}
+        self._stood = standing.of(obj)
         mover = bound.moved_by(obj)
         self.remark = (
             rpt_("{obj} is moved by {mover}: its head stays").format(obj=obj.name, mover=mover)
@@ -68,6 +69,7 @@ class LiveHead:
         if "head_position" in wanted:
             actions.clear(holder, "location")
             num_curves += actions.key_columns(holder, "location", "Head", frames, motion.locations)
+        standing.note(obj, self._stood)
         return num_curves
 
 
