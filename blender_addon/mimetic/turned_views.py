@@ -16,7 +16,8 @@ from bpy.app.handlers import persistent
 
 from . import editors, handlers
 
-SHADING = ("light", "color_type", "show_cavity", "cavity_type")
+CAVITIES = ("show_cavity", "cavity_type", "cavity_ridge_factor", "curvature_ridge_factor")
+SHADING = ("light", "color_type", *CAVITIES)
 PLACE = (
     "view_rotation",
     "view_location",

@@ -99,6 +99,7 @@ def look(view) -> tuple:
     """All of it that a bake changes."""
     of, place = view.shading, view.region_3d
     chosen = of.light, of.color_type, of.show_cavity, of.cavity_type
+    chosen += of.cavity_ridge_factor, of.curvature_ridge_factor
     at = *place.view_rotation, *place.view_location, place.view_distance
     at = [round(one, 4) for one in at] if place.view_perspective != "CAMERA" else []
     return (place.view_perspective, view.local_view is not None, *chosen), at

@@ -54,11 +54,12 @@ def show_textures(shading: bpy.types.View3DShading) -> None:
 
 def _show_as_filmed(shading: bpy.types.View3DShading) -> None:
     """The skin wears the footage's colours, whose light is in them: a lamp more would darken it.
-    Its form shows by cavities."""
+    Its form shows by cavities, in which it is darker; ridges would make lips and teeth glare."""
     shading.light = "FLAT"
     shading.color_type = "TEXTURE"
     shading.show_cavity = True
     shading.cavity_type = "BOTH"
+    shading.cavity_ridge_factor = shading.curvature_ridge_factor = 0.0
 
 
 def _show_sliders(space: bpy.types.SpaceProperties) -> None:

@@ -23,6 +23,8 @@ void bind_shape(py::module_& m) {
         .def(py::init<>())
         .def_readwrite("model", &PhaseShape::model)
         .def_readwrite("rest", &PhaseShape::rest)
+        .def_readwrite("before", &PhaseShape::before,
+                       "Level that it is applied from, if that is well above rest, or None.")
         .def_readwrite("amplitude", &PhaseShape::amplitude)
         .def_readwrite("onset", &PhaseShape::onset)
         .def_readwrite("rise", &PhaseShape::rise)
@@ -32,6 +34,7 @@ void bind_shape(py::module_& m) {
         .def_readwrite("release_time", &PhaseShape::release_time)
         .def_readwrite("relaxation_time", &PhaseShape::relaxation_time)
         .def_readwrite("relaxed_share", &PhaseShape::relaxed_share)
+        .def_property_readonly("climb", &PhaseShape::climb)
         .def_property_readonly("apex", &PhaseShape::apex)
         .def_property_readonly("release", &PhaseShape::release)
         .def_property_readonly("fall_time", &PhaseShape::fall_time)

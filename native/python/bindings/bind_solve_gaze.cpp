@@ -73,15 +73,19 @@ void bind_solve_gaze(py::module_& m) {
     m.def(
         "follow_gaze",
         [](const Camera& camera, const Eyeballs& eyes, const DoubleArray& poses,
-           const DoubleArray& covariances, const DoubleArray& irises, double fps) {
+           const DoubleArray& covariances, const DoubleArray& irises, double fps,
+           const std::vector<int>& scene_starts) {
             const std::vector<GazeFrame> frames = frames_of(poses, covariances, irises);
             const py::gil_scoped_release unlocked;
-            return follow_gaze(camera, eyes, frames, fps);
+            return follow_gaze(camera, eyes, frames, fps, scene_starts);
         },
         "camera"_a, "eyes"_a, "poses"_a, "pose_covariances"_a, "irises"_a, "fps"_a,
+        "scene_starts"_a = std::vector<int>(),
         "GazeTrack of a clip's frames in order.\n\n"
         "poses: (N, 4, 4), camera from head; pose_covariances: (N, 6, 6); irises: (N, 2, 6), "
-        "`FrameEstimate.irises`,\nof frames that are held 0. Raises InvalidInput.");
+        "`FrameEstimate.irises`,\nof frames that are held 0; scene_starts: indices of frames after a cut, "
+        "over which "
+        "nothing is smoothed.\nRaises InvalidInput.");
     m.def(
         "corrected_gaze",
         [](const MatrixRows& angles, const std::vector<std::tuple<int, int, double, double, double>>& pins) {

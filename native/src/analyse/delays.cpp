@@ -13,7 +13,8 @@
 namespace mimetic {
 namespace {
 
-constexpr int kAround = 4;  // frames before the earlier onset and after the later apex
+constexpr double kQuiet = .15;  // of the event's own rates (root mean square): noise at rest
+constexpr int kAround = 4;      // frames before the earlier onset and after the later apex
 
 Eigen::VectorXd rates_of(const Eigen::VectorXd& values) {
     const Eigen::Index n = values.size();
@@ -161,17 +162,24 @@ double chance_of(const Eigen::VectorXd& leader, const Eigen::VectorXd& other, Sp
         for (int i = 0; i < count; ++i) {
             shifted[i] = other[(i + shift) % count];
         }
-        // Normalised by the event's own rates: a quiet stretch is no match however alike its noise is
+        // A quiet stretch is no match however alike its noise is; of others the size does not count, as it
+        // does not for the event's own
         double energy = 0, own = 0;
         for (int i = span.first; i <= span.last; ++i) {
             energy += shifted[i] * shifted[i];
             own += other[i] * other[i];
         }
-        const double quiet = own > 0 ? std::min(1.0, std::sqrt(energy / own)) : 0;
-        as_good += quiet * correlation_peak(leader, shifted, span, max_lag).correlation >= correlation;
+        const bool is_quiet = energy <= kQuiet * kQuiet * own;
+        as_good += !is_quiet && correlation_peak(leader, shifted, span, max_lag).correlation >= correlation;
         ++shifts;
     }
     return shifts == 0 ? 1 : (1. + as_good) / (1. + shifts);
+}
+
+/// 0 where no draws tell it.
+double onset_std(const PhaseFit& fit) {
+    const double width = fit.onset.upper - fit.onset.lower;
+    return std::isfinite(width) ? width / (2 * 1.96) : 0;
 }
 
 }  // namespace
@@ -211,7 +219,9 @@ std::optional<Delay> estimate_delay(VectorIn frames, VectorIn leader, const Phas
     delay.onset_lag = apart;
     delay.apex_lag = fit.shape.apex() - leader_fit.shape.apex();
     delay.chance = chance_of(first, second, span, options.max_lag, delay.correlation);
-    const bool checks = peak.lag * (delay.onset_lag + delay.apex_lag) > 0;
+    // Groups that differ in shape alone have rates apart, and neither begins later
+    const bool begins_apart = std::abs(apart) > std::hypot(onset_std(leader_fit), onset_std(fit));
+    const bool checks = begins_apart && peak.lag * delay.onset_lag > 0 && peak.lag * delay.apex_lag > 0;
     delay.is_delayed = checks && (delay.lag.lower > 0 || delay.lag.upper < 0) && delay.chance < .05;
     return delay;
 }

@@ -8,6 +8,10 @@
 namespace mimetic {
 namespace {
 
+// Weight of what is drawn between neighbouring frames, beside theirs: few of them leave slopes free
+constexpr double kBetweenFew = .3, kBetweenMany = .1;
+constexpr int kFew = 4;  // steps from a key to the next
+
 /// Shares of two keys' values and slopes in a cubic at s, 0 to 1, of a span of so many frames.
 Eigen::Vector4d hermite(double s, double span) {
     const double t = s * s, u = t * s;
@@ -59,6 +63,27 @@ struct KeyEquations {
     }
 };
 
+/// What is played between frames keeps to straight lines from row to row, as far as the rows themselves
+/// leave it free. Where none lies between two keys, none tells their slopes.
+void hold_between(KeyEquations& equations, std::size_t key, VectorIn frames, VectorIn values, int first,
+                  int last) {
+    const double begin = frames[first], span = frames[last] - begin;
+    const double weight = last - first <= kFew ? kBetweenFew : kBetweenMany;
+    for (int row = first; row < last; ++row) {
+        for (const double part : {.25, .5, .75}) {
+            const double frame = (1 - part) * frames[row] + part * frames[row + 1];
+            const double line = (1 - part) * values[row] + part * values[row + 1];
+            Eigen::Vector4d shares = weight * hermite((frame - begin) / span, span);
+            double value = weight * line;
+            if (last == first + 1) {  // slopes alone: the keys' values are the rows'
+                value -= shares[0] * values[first] + shares[2] * values[last];
+                shares[0] = shares[2] = 0;
+            }
+            equations.add(key, shares, value);
+        }
+    }
+}
+
 }  // namespace
 
 double SparseCurve::value(double frame) const {
@@ -81,6 +106,7 @@ SparseCurve fit_keys(VectorIn frames, VectorIn values, const std::set<int>& rows
         for (int row = keys[k]; row <= end; ++row) {
             equations.add(k, hermite((frames[row] - begin) / span, span), values[row]);
         }
+        hold_between(equations, k, frames, values, keys[k], keys[k + 1]);
     }
     // Keys lie near the curve, and those at rest rest: a drag of another key must not lift them
     for (std::size_t k = 0; k < keys.size(); ++k) {

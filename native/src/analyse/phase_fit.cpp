@@ -28,8 +28,9 @@ std::vector<int> fixed_parameters(PhaseModel model, const EventRows& rows) {
     return fixed;
 }
 
-PhaseShape shape_of(PhaseModel model, const PhaseParameters& p) {
+PhaseShape shape_of(PhaseModel model, const FittedEvent& data, const PhaseParameters& p) {
     PhaseShape shape;
+    shape.before = data.before;
     shape.model = model;
     shape.rest = p[kRest];
     shape.amplitude = p[kAmplitude];
@@ -69,7 +70,8 @@ public:
         for (Eigen::Index i = 0; i < n; ++i) {
             const Jet share = phase_share(model_, data_.frames[i], p[kOnset], rise, hold, p[kExponent],
                                           release, relaxation, p[kShare], p[kDrift]);
-            const Jet value = p[kRest] + p[kAmplitude] * share;
+            const Jet value = phase_value(data_.frames[i], p[kRest], p[kAmplitude], data_.before,
+                                          Jet(p[kOnset] + rise), share);
             table(i, 0) = value.a;
             table.row(i).tail<kPhaseParameters>() = value.v.transpose();
         }
@@ -133,7 +135,8 @@ Limits limits_of(const FittedEvent& data, PhaseModel model) {
 double crossing(const FittedEvent& data, double share, int step) {
     const int n = static_cast<int>(data.frames.size());
     int i = data.rows.top - data.rows.first;
-    const double low = data.values.minCoeff(), level = low + share * (data.values[i] - low);
+    const double low = step < 0 && data.before ? *data.before : data.values.minCoeff();
+    const double level = low + share * (data.values[i] - low);
     while (i + step >= 0 && i + step < n && data.values[i] > level) {
         i += step;
     }
@@ -187,7 +190,7 @@ Eigen::VectorXd model_values(const FittedEvent& data, const PhaseShape& shape) {
 }
 
 void score_fit(const FittedEvent& data, PhaseModel model, ModelFit& fit) {
-    fit.shape = shape_of(model, fit.parameters);
+    fit.shape = shape_of(model, data, fit.parameters);
     const Eigen::VectorXd error = model_values(data, fit.shape) - data.values;
     const Eigen::ArrayXd used = (data.weights.array() > 0).cast<double>();
     const double n = std::max(1.0, used.sum());
@@ -198,6 +201,21 @@ void score_fit(const FittedEvent& data, PhaseModel model, ModelFit& fit) {
 }
 
 }  // namespace
+
+std::optional<double> level_before(const FittedEvent& data) {
+    constexpr double kRaised = .1;  // of the height above the level after it
+    const double none = std::numeric_limits<double>::infinity();
+    double before = none, after = none;
+    const int top = data.rows.top - data.rows.first;
+    for (int i = 0; i < static_cast<int>(data.values.size()); ++i) {
+        if (data.weights[i] > 0) {
+            double& level = i < top ? before : after;
+            level = std::min(level, data.values[i]);
+        }
+    }
+    const bool is_raised = before < none && before - after > kRaised * (data.values.maxCoeff() - after);
+    return is_raised && !data.rows.begins_before ? std::optional(before) : std::nullopt;
+}
 
 ModelFit fit_model(const FittedEvent& data, PhaseModel model, const PhaseOptions& options) {
     ModelFit fit;
@@ -237,7 +255,7 @@ PhaseShape refit_model(const FittedEvent& drawn, const ModelFit& fit, const Phas
     constexpr int kIterations = 12;
     PhaseParameters p = fit.parameters;
     minimise(drawn, fit.shape.model, options, std::sqrt(fit.variance), kIterations, p);
-    return shape_of(fit.shape.model, p);
+    return shape_of(fit.shape.model, drawn, p);
 }
 
 }  // namespace mimetic

@@ -3,6 +3,7 @@
 #include <limits>
 #include <mimetic/analyse/curve_noise.hpp>
 #include <mimetic/analyse/phases.hpp>
+#include <optional>
 
 #include "events.hpp"
 #include "phase_shape.hpp"
@@ -17,6 +18,7 @@ struct FittedEvent {
     Eigen::VectorXd frames, values, weights;  // n; a weight of 0 leaves the row out
     EventRows rows;
     const CurveNoise* noise;
+    std::optional<double> before;  // `PhaseShape::before`
 };
 
 /// One model's best fit to an event.
@@ -26,6 +28,9 @@ struct ModelFit {
     double bic = std::numeric_limits<double>::infinity();
     double variance = 0, explained = 0;
 };
+
+/// The lowest level before the event's top where it is well above the lowest one after it.
+std::optional<double> level_before(const FittedEvent& data);
 
 ModelFit fit_model(const FittedEvent& data, PhaseModel model, const PhaseOptions& options);
 

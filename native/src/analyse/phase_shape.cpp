@@ -6,8 +6,9 @@
 namespace mimetic {
 
 double PhaseShape::value(double frame) const {
-    return rest + amplitude * phase_share(model, frame, onset, rise, hold, exponent, release_time,
-                                          relaxation_time, relaxed_share, drift);
+    const double share = phase_share(model, frame, onset, rise, hold, exponent, release_time, relaxation_time,
+                                     relaxed_share, drift);
+    return phase_value(frame, rest, amplitude, before, apex(), share);
 }
 
 double PhaseShape::fall_time() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mimetic/analyse/phases.hpp>
+#include <optional>
 
 namespace mimetic {
 
@@ -31,7 +32,7 @@ T applied_share(const T& s, const T& k) {
     return expm1(k * s) / expm1(k);
 }
 
-/// Of the amplitude at a frame, 0 to 1.
+/// Of the amplitude at a frame, 0 to 1, of what is applied from rest.
 template <typename T>
 T phase_share(PhaseModel model, double frame, const T& onset, const T& rise, const T& hold, const T& exponent,
               const T& release_time, const T& relaxation_time, const T& share, const T& drift) {
@@ -57,6 +58,16 @@ T phase_share(PhaseModel model, double frame, const T& onset, const T& rise, con
             return level *
                    ((1. - share) * exp(-since / release_time) + share * exp(-since / relaxation_time));
     }
+}
+
+/// Value of an event that is applied from a level above rest where there is one; share: `phase_share`.
+template <typename T>
+T phase_value(double frame, const T& rest, const T& amplitude, const std::optional<double>& before,
+              const T& apex, const T& share) {
+    if (before && frame < apex) {
+        return *before + (rest + amplitude - *before) * share;
+    }
+    return rest + amplitude * share;
 }
 
 }  // namespace mimetic

@@ -145,8 +145,12 @@ std::vector<PhaseFit> fit_phases(VectorIn frames, VectorIn values, VectorIn stds
         const double measured_std = options.measured_std > 0 ? options.measured_std : value_std;
         const double smoothing = measured.courses ? 0 : smoothing_ratio(measured_std);
         const CurveNoise noise(n, smoothing);
-        FittedEvent data{frames.segment(rows.first, n), values.segment(rows.first, n),
-                         Eigen::VectorXd::Ones(n), rows, &noise};
+        FittedEvent data{frames.segment(rows.first, n),
+                         values.segment(rows.first, n),
+                         Eigen::VectorXd::Ones(n),
+                         rows,
+                         &noise,
+                         std::nullopt};
         if (measured.courses) {
             data.values = measured.courses->course(measured.members, rows.first, rows.last, rows.top);
         }
@@ -156,6 +160,7 @@ std::vector<PhaseFit> fit_phases(VectorIn frames, VectorIn values, VectorIn stds
                                   ? std::min(2.0, std::max(1e-6, value_std) / std)
                                   : 0;
         }
+        data.before = level_before(data);
         if ((data.weights.array() > 0).count() > kPhaseParameters - 3) {
             fits.push_back(fit_event(data, value_std, smoothing, options, frames));
         }
@@ -177,8 +182,12 @@ Eigen::MatrixXd draw_curves(const PhaseFit& fit, VectorIn frames, int num_draws,
     for (int k = 0; k < num_draws; ++k) {
         const double power = fit.shape_std > 0 ? std::exp(fit.shape_std * normal(random)) : 1;
         for (int i = 0; i < n; ++i) {
-            const double share = (shape.value(frames[fit.first + i]) - shape.rest) / shape.amplitude;
-            curves(i, k) = shape.rest + shape.amplitude * std::pow(std::max(0., share), power);
+            const double frame = frames[fit.first + i];
+            const bool is_applied = frame < shape.apex();
+            const double low = is_applied ? shape.before.value_or(shape.rest) : shape.rest;
+            const double height = is_applied ? shape.climb() : shape.amplitude;
+            const double share = (shape.value(frame) - low) / height;
+            curves(i, k) = low + height * std::pow(std::max(0., share), power);
         }
     }
     return fit.noise * noise.correlated(draws) + noise.smoothed(curves);

@@ -3,12 +3,13 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from mimetic.analyse.smiles import EYES, MOUTH, smiles_of
 
 
-def event(group, onset, release, amplitude, name=""):
-    """An event as it is fitted, without errors."""
+def event(group, onset, release, amplitude, name="", last=None):
+    """An event as it is fitted, without errors; last: row to which it is seen."""
 
     def at(value):
         return SimpleNamespace(value=value, lower=value, upper=value)
@@ -19,18 +20,19 @@ def event(group, onset, release, amplitude, name=""):
         release=at(release),
         length=at(release + 10 - onset),
         amplitude=at(amplitude),
+        shape=SimpleNamespace(amplitude=amplitude, climb=amplitude),
         first=onset - 8,
-        last=release + 18,
+        last=release + 18 if last is None else last,
         is_certain=True,
         begins_before=False,
-        ends_after=False,
+        ends_after=last is not None,
     )
     return SimpleNamespace(curve=SimpleNamespace(group=group, name=name), fit=fit)
 
 
 def smile_among(groups, sides=(), delays=()):
     timing = SimpleNamespace(
-        performance=SimpleNamespace(fps=25.0),
+        performance=SimpleNamespace(fps=25.0, frame=np.arange(400)),
         of_group=lambda group: [one for one in groups if one.curve.group == group],
         of_kind=lambda kind: [*sides],
         delays=[*delays],
@@ -55,3 +57,11 @@ def test_sides_of_a_smile_are_those_of_its_time():
     earlier = [event(MOUTH, 46, 95, 0.6, f"{MOUTH}{side}") for side in (".L", ".R")]
     smile = smile_among([event(MOUTH, 101, 131, 0.4)], sides=[*earlier, left, right])
     assert smile.asymmetry.value == pytest.approx((0.3 - 0.5) / 0.8)
+
+
+def test_eyes_of_another_scene_are_not_a_smiles():
+    """What is held until a cut is fitted beyond it."""
+    mouth, eyes = event(MOUTH, 40, 145, 0.7, last=80), event(EYES, 95, 109, 0.6)
+    assert smile_among([mouth, eyes]).eye_event is None
+    within = event(EYES, 60, 75, 0.6)
+    assert smile_among([mouth, within]).eye_event is within

@@ -10,6 +10,7 @@ from mimetic.analyse.timing import analyse_timing, curves_of
 from mimetic.analyse.timing_report import FILES
 from mimetic.commands.cli import main
 from mimetic.performance.corrections import FrameCorrection, Pinned, texts_of
+from mimetic.shared.results import OF_A_CLIP
 from sample_performance import make_performance
 
 FRAMES = 80
@@ -147,6 +148,15 @@ def test_the_command_writes_tables_figures_and_a_page(tmp_path, capsys):
     assert float(mouth["onset_frame_lower"]) <= 20 <= float(mouth["onset_frame_upper"])
     assert (out / "groups.svg").read_text().startswith("<?xml")
     assert "1 of 1 pairs delayed" in capsys.readouterr().out
+
+
+def test_the_page_of_a_capture_in_the_same_folder_stays(tmp_path):
+    smiling().save(tmp_path / "performance.npz")
+    (tmp_path / "report.html").write_text("of the capture")
+    assert main(["analyse", str(tmp_path / "performance.npz"), "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "report.html").read_text() == "of the capture"
+    assert "when muscles fire" in (tmp_path / "timing.html").read_text(encoding="utf-8")
+    assert not set(FILES) & {"comparison.html", *OF_A_CLIP}
 
 
 def test_bad_input_is_one_line(tmp_path, capsys):

@@ -52,11 +52,13 @@ def eyes_looking(yaw, pitch, vergence=2.0):
     return np.stack([yaw - vergence / 2, pitch, yaw + vergence / 2, pitch], axis=1)
 
 
-def follow(irises, poses, covariance=1e-9):
+def follow(irises, poses, covariance=1e-9, scene_starts=()):
     count = len(irises)
     covariances = np.tile(covariance * np.eye(6), (count, 1, 1))
     eyes = _core.Eyeballs(CENTERS, np.full(2, RADIUS), FACING)
-    return _core.follow_gaze(CAMERA, eyes, np.ascontiguousarray(poses), covariances, irises, FPS)
+    return _core.follow_gaze(
+        CAMERA, eyes, np.ascontiguousarray(poses), covariances, irises, FPS, scene_starts
+    )
 
 
 def seen(track):
@@ -292,3 +294,34 @@ def test_lids_are_told_by_the_gaze_of_the_fitted_frame_even_outside_of_the_range
     assert gaze.angles.shape == gaze.std.shape == (count, 4)
     apart = gaze.following[0].rest_pitch - gaze.angles[:, 1]
     assert (np.abs(apart - 15) < 6).all()  # the template's eyeballs are smaller than these
+
+
+@pytest.mark.parametrize("num_unseen", [0, 6, 20])
+def test_nothing_is_smoothed_or_bridged_over_a_cut(num_unseen):
+    count, cut = 120, 60
+    yaw = np.where(np.arange(count) < cut, -10.0, 10.0)
+    angles, poses = eyes_looking(yaw, 0.0), np.tile(pose_of(), (count, 1, 1))
+    irises = irises_of(angles, poses)
+    irises[cut - num_unseen : cut] = 0
+    whole = follow(irises, poses, scene_starts=[cut])
+    np.testing.assert_allclose(seen(whole)[:cut, [0, 2]], angles[:cut, [0, 2]], atol=1.5)
+    np.testing.assert_allclose(seen(whole)[cut:, [0, 2]], angles[cut:, [0, 2]], atol=1.5)
+    # What is not known grows to the scene's end, whatever is seen behind it
+    if num_unseen:
+        assert (np.diff(whole.std[cut - num_unseen : cut, 0]) > 0).all()
+
+
+def test_a_scene_without_eyes_stands_as_the_others():
+    count = 90
+    angles, poses = eyes_looking(np.full(count, 6.0), 3.0), np.tile(pose_of(), (count, 1, 1))
+    irises = irises_of(angles, poses)
+    irises[40:60] = 0
+    track = follow(irises, poses, scene_starts=[40, 60])
+    np.testing.assert_allclose(seen(track)[40:60], angles[40:60], atol=1.5)
+    assert track.std[50, 0] > 3 * track.std[20, 0]
+
+
+def test_a_scene_that_starts_outside_the_clip_is_refused():
+    angles, poses = eyes_looking(np.zeros(5), 0.0), np.tile(pose_of(), (5, 1, 1))
+    with pytest.raises(InvalidInput, match="a scene starts at frame 5 of 5"):
+        follow(irises_of(angles, poses), poses, scene_starts=[5])

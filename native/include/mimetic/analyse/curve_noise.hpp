@@ -26,7 +26,8 @@ public:
     double effective_count() const { return effective_count_; }
 
 private:
-    Eigen::MatrixXd smoother_;  // H
+    // H's inverse is L D L' with two diagonals below that of L
+    Eigen::VectorXd pivots_, below_, second_below_;
     double scale_ = 1;
     double effective_count_ = 0;
 };

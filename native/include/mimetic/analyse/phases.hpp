@@ -3,6 +3,7 @@
 #include <array>
 #include <mimetic/analyse/measured_courses.hpp>
 #include <mimetic/shared/types.hpp>
+#include <optional>
 #include <vector>
 
 namespace mimetic {
@@ -18,7 +19,10 @@ inline constexpr int kNumPhaseModels = 3;
 /// One application, hold, release and relaxation. Times in frames on the curve's own frame numbers.
 struct PhaseShape {
     PhaseModel model = PhaseModel::one_exponential;
-    double rest = 0;          ///< before it and after it
+    double rest = 0;  ///< before it and after it
+    /// Level that it is applied from, where that is well above rest: half relaxed after another event. Else
+    /// it is applied from rest.
+    std::optional<double> before;
     double amplitude = 0;     ///< above rest, where the application ends
     double onset = 0;         ///< application begins
     double rise = 1;          ///< frames of the application
@@ -28,6 +32,7 @@ struct PhaseShape {
     double release_time = 1;  ///< tau of the release; of a linear ramp the frames it falls
     double relaxation_time = 0;  ///< tau of the relaxation; 0 without one
     double relaxed_share = 0;    ///< of the amplitude that relaxes, 0 without one
+    double climb() const { return rest + amplitude - before.value_or(rest); }  ///< of the application
     double apex() const { return onset + rise; }
     double release() const { return onset + rise + hold; }
     double fall_time() const;  ///< frames from the release until a tenth of the height there is left

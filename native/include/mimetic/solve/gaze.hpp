@@ -52,9 +52,10 @@ struct GazeTrack {
 /// Gaze is still or drifts, and jumps: saccades are followed within a frame, fixations are smoothed, by
 /// increments of a heavy-tailed distribution (iteratively reweighted least squares). The eyes turn together,
 /// but for vergence. Frames without an iris are bridged, and their standard deviations grow.
-/// fps: frames a second. Throws InvalidInput.
+/// fps: frames a second; scene_starts: indices of frames after a cut, over which nothing is smoothed or
+/// bridged. Throws InvalidInput.
 GazeTrack follow_gaze(const Camera& camera, const Eyeballs& eyes, const std::vector<GazeFrame>& frames,
-                      double fps);
+                      double fps, const std::vector<int>& scene_starts = {});
 
 /// An angle of an eye as a person states it in a frame; degrees.
 struct GazePin {

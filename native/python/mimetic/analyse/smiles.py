@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.analyse.tables import interval_cells
@@ -100,13 +101,14 @@ def _smile(event: Event, timing: Timing, fps: float) -> Smile:
     begins = not fit.begins_before
     whole = begins and not fit.ends_after
     amplitude = _about(fit.amplitude)
+    climb = fit.shape.climb / fit.shape.amplitude  # a smile may begin from half of another
     onset = Estimate(rise / fps, max(0.0, rise - rise_spread) / fps, (rise + rise_spread) / fps)
     return Smile(
         event,
         eyes,
         onset if begins else blank,
         _seconds(fit.length, fps) if whole else blank,
-        _quotient(amplitude, onset) if begins else blank,
+        _quotient(_times(amplitude, climb), onset) if begins else blank,
         _asymmetry(event, timing),
         _quotient(_about(eyes.fit.amplitude), amplitude) if eyes else blank,
         delay,
@@ -116,15 +118,27 @@ def _smile(event: Event, timing: Timing, fps: float) -> Smile:
 def _overlapping(event: Event, timing: Timing) -> Event | None:
     """The strongest certain event of the eyes that overlaps."""
     fits = [
-        eyes for eyes in timing.of_group(EYES) if eyes.fit.is_certain and _overlap(eyes, event) > 0
+        eyes
+        for eyes in timing.of_group(EYES)
+        if eyes.fit.is_certain and _overlap(eyes, event, timing) > 0
     ]
     return max(fits, key=lambda eyes: eyes.fit.amplitude.value, default=None)
 
 
-def _overlap(one: Event, other: Event) -> float:
-    """Frames from the later onset to the earlier release, negative if they are apart."""
-    first = max(one.fit.onset.value, other.fit.onset.value)
-    return min(one.fit.release.value, other.fit.release.value) - first
+def _overlap(one: Event, other: Event, timing: Timing) -> float:
+    """Frames from the later onset to the earlier release, negative if they are apart.
+
+    What is cut off counts as far as it is seen: its fit goes on beyond the scene.
+    """
+    frames = timing.performance.frame
+    first, last = zip(*(_seen_part(event.fit, frames) for event in (one, other)), strict=True)
+    return min(last) - max(first)
+
+
+def _seen_part(fit: _core.PhaseFit, frames: NDArray[np.int64]) -> tuple[float, float]:
+    """From onset to release, within the frames that were fitted."""
+    first, last = float(frames[fit.first]), float(frames[fit.last])
+    return max(fit.onset.value, first), min(fit.release.value, last)
 
 
 def _asymmetry(event: Event, timing: Timing) -> Estimate:
@@ -151,9 +165,9 @@ def _side_event(side: str, event: Event, timing: Timing) -> Event | None:
         for other in timing.of_kind("side")
         if other.curve.group == MOUTH
         and other.curve.name.endswith(side)
-        and _overlap(other, event) > 0
+        and _overlap(other, event, timing) > 0
     ]
-    return max(same, key=lambda other: _overlap(other, event), default=None)
+    return max(same, key=lambda other: _overlap(other, event, timing), default=None)
 
 
 def _rise(side: str, other: Event, timing: Timing) -> Estimate:
@@ -169,6 +183,10 @@ def _rise(side: str, other: Event, timing: Timing) -> Estimate:
     )
     value, spread = max(0.0, float(values[1] - values[0])), WITHIN * math.hypot(*stds)
     return Estimate(value, value - spread, value + spread)
+
+
+def _times(estimate: Estimate, factor: float) -> Estimate:
+    return Estimate(*(factor * bound for bound in (estimate.value, estimate.lower, estimate.upper)))
 
 
 def _about(interval: _core.Interval) -> Estimate:

@@ -20,6 +20,16 @@ from mimetic.template.face_template import FaceTemplate, load_template
 TEXTURE_SIZE = 1024  # the face fills a third of it; footage rarely has more pixels on a face
 EYE_SIZE, LASHES_SIZE = 256, (512, 128)
 DARKEST_EYES = 0.3  # of the painted ones: what is seen of nearly closed eyes is lids
+IRIS_WIDTH, NARROWEST_IRIS = 0.0117, 6.0  # metres (horizontal visible iris diameter), pixels
+IRIS_RING = face_paint.PUPIL + 2.0, face_paint.IRIS - 3.5  # degrees, where its colour is read
+IRIS_LEVELS = 0.08, 0.7  # sRGB of the darkest and the palest
+# Of the mouth, linear, 0 to 1; and how bright it is seen for the light on the eyes' whites, which
+# sockets shade: of teeth as in two filmed clips, what lies behind them is darker
+INSIDE = {
+    "Mouth": ((0.22, 0.035, 0.03), 0.8),
+    "Teeth": ((0.66, 0.58, 0.50), 1.4),
+    "Tongue": ((0.38, 0.10, 0.09), 0.85),
+}
 UNSEEN_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket")  # hair, clothes, shadows
 
 
@@ -74,7 +84,8 @@ def appearance_of(
     weights = _vertex_weights(template)
     texture, colour = projection.project_texture(performance, i, image, uv, weights, TEXTURE_SIZE)
     light = light_on_eyes(performance, i, image, template, uv)
-    return _appearance(template, uv, texture, colour, light)
+    iris = iris_colour(performance, i, image, template, uv, light)
+    return _appearance(template, uv, texture, colour, light, iris)
 
 
 def painted(template: FaceTemplate) -> Appearance:
@@ -90,9 +101,13 @@ def _appearance(
     texture: NDArray[np.uint8],
     colour: NDArray,
     light_on_eyes: NDArray | None = None,
+    iris_colour: NDArray = face_paint.BROWN,
 ) -> Appearance:
-    eyes = face_paint.paint_eye(EYE_SIZE) * (1 if light_on_eyes is None else light_on_eyes)
-    surfaces = _surfaces(texture, _linear(colour / 255), _bytes(eyes))
+    eyes = face_paint.paint_eye(EYE_SIZE, iris_colour)
+    inside = {name: row[0] for name, row in INSIDE.items()}
+    if light_on_eyes is not None:
+        eyes, inside = eyes * light_on_eyes, _inside_as_filmed(light_on_eyes)
+    surfaces = _surfaces(texture, _linear(colour / 255), _bytes(eyes), inside)
     names = [surface.name for surface in surfaces]
     of_part = [names.index(SURFACE_OF_PART[str(part)]) for part in template.part_names]
     return Appearance(uv, surfaces, np.array(of_part)[template.part])
@@ -120,16 +135,59 @@ def light_on_eyes(
     return np.sqrt(light * light.max())
 
 
-def _surfaces(skin: NDArray[np.uint8], colour: NDArray, eyes: NDArray[np.uint8]) -> list[Surface]:
-    """All surfaces, from the skin's texture, its colour in linear light and the eyes' texture."""
+def iris_colour(
+    performance: Performance,
+    i: int,
+    image: NDArray[np.uint8],
+    template: FaceTemplate,
+    uv: NDArray,
+    light: NDArray,
+) -> NDArray[np.float64]:
+    """Of both eyes, sRGB: what is seen as filmed under the light on the eyes; brown where eyes are
+    too small in the picture or not seen."""
+    eyes = template.part_vertices(*(f"eye.{side}" for side in SIDES))
+    depth = performance.surface_in_camera(i)[eyes, 2].mean()
+    if performance.intrinsics[0, 0] * IRIS_WIDTH < NARROWEST_IRIS * depth:
+        return face_paint.BROWN
+    weights = np.zeros(len(template.vertices))
+    weights[eyes] = 1.0
+    try:
+        seen, _ = projection.project_texture(performance, i, image, uv, weights, EYE_SIZE)
+    except InvalidInput:
+        return face_paint.BROWN
+    degrees, _ = face_paint.eye_angles(EYE_SIZE)
+    is_iris = (degrees > IRIS_RING[0]) & (degrees < IRIS_RING[1])
+    return np.clip(np.median(seen[is_iris], axis=0) / 255 / light, *IRIS_LEVELS)
+
+
+def _inside_as_filmed(light: NDArray) -> dict[str, tuple[float, float, float]]:
+    """Colours of the mouth's inside, linear, under the light that is seen on the eyes' whites.
+
+    The skin's texture has the light and the shadows of the footage in it: teeth as white as painted
+    would glare between its lips. Skin itself may be dark in bright light.
+    """
+    return {
+        name: _triple(_linear(np.clip(share * light, 0, 1) * _srgb(np.array(colour))))
+        for name, (colour, share) in INSIDE.items()
+    }
+
+
+def _surfaces(
+    skin: NDArray[np.uint8],
+    colour: NDArray,
+    eyes: NDArray[np.uint8],
+    inside: dict[str, tuple[float, float, float]],
+) -> list[Surface]:
+    """All surfaces, from the skin's texture, its colour in linear light, the eyes' texture and the
+    colours of INSIDE."""
     lashes = _bytes(face_paint.paint_lashes(*LASHES_SIZE))
     return [
         Surface("Skin", _triple(colour), 0.55, skin),
         Surface("Inner Lids", _triple(0.6 * colour), 0.5),
-        Surface("Mouth", (0.22, 0.035, 0.03), 0.4),
+        Surface("Mouth", inside["Mouth"], 0.4),
         Surface("Eyes", (0.55, 0.50, 0.46), 0.15, eyes),
-        Surface("Teeth", (0.66, 0.58, 0.46), 0.3),
-        Surface("Tongue", (0.38, 0.10, 0.09), 0.4),
+        Surface("Teeth", inside["Teeth"], 0.3),
+        Surface("Tongue", inside["Tongue"], 0.4),
         Surface("Lashes", _triple(_linear(face_paint.LASH)), 0.8, lashes),
     ]
 
@@ -155,6 +213,11 @@ def _bytes(picture: NDArray) -> NDArray[np.uint8]:
 def _triple(colour: NDArray) -> tuple[float, float, float]:
     red, green, blue = (float(part) for part in colour)
     return red, green, blue
+
+
+def _srgb(light: NDArray) -> NDArray:
+    """sRGB of linear light, both 0 to 1 (IEC 61966-2-1)."""
+    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
 
 
 def _linear(colour: NDArray) -> NDArray:

@@ -17,7 +17,8 @@ STUBBLE = np.array([0.62, 0.50, 0.44])
 BROW = np.array([0.24, 0.16, 0.12])
 VERMILION_RINGS = 7  # rings of faces between the lips' contact and the vermilion border
 PUPIL, IRIS, LIMBUS = 7.0, 19.5, 21.0  # degrees from the optical axis
-LASHES_PER_LID = 70
+BROWN = np.array([0.36, 0.25, 0.15])  # of an iris
+LASHES_PER_LID = 44
 LASH = np.array([0.07, 0.05, 0.04])
 
 
@@ -51,20 +52,25 @@ def paint_skin(
     return np.clip(albedo, 0, 1)
 
 
-def paint_eye(size: int) -> NDArray[np.float64]:
+def paint_eye(size: int, iris_colour: NDArray[np.float64] = BROWN) -> NDArray[np.float64]:
     """Pupil, iris and sclera (size x size x 3, sRGB) in the eyes' azimuthal coordinates."""
-    axis = (np.arange(size) + 0.5) / size - 0.5
-    x, y = np.meshgrid(axis, -axis)
-    degrees = np.hypot(x, y) * 360
-    turn = np.arctan2(y, x)
+    degrees, turn = eye_angles(size)
     rays = 0.5 + 0.25 * np.sin(23 * turn) + 0.25 * np.sin(37 * turn + 1)
     ring = np.clip((degrees - PUPIL) / (IRIS - PUPIL), 0, 1)
-    iris = np.array([0.36, 0.25, 0.15]) * (0.75 + 0.5 * rays * (1 - ring))[..., None]
+    iris = iris_colour * (0.75 + 0.5 * rays * (1 - ring))[..., None]
     iris *= (1 - 0.55 * np.clip(ring - 0.75, 0, 1) / 0.25)[..., None]
     redness = np.clip((degrees - 30) / 50, 0, 1)[..., None]
     sclera = SCLERA - redness * np.array([0.02, 0.16, 0.16])
     eye = sclera + _step(LIMBUS, IRIS, degrees)[..., None] * (iris - sclera)
     return eye * (1 - 0.97 * _step(PUPIL + 0.8, PUPIL - 0.8, degrees)[..., None])
+
+
+def eye_angles(size: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Of each texel of an eye (size x size each): degrees from its optical axis, and in which
+    direction, in radians."""
+    axis = (np.arange(size) + 0.5) / size - 0.5
+    x, y = np.meshgrid(axis, -axis)
+    return 360.0 * np.hypot(x, y), np.arctan2(y, x)
 
 
 def paint_lashes(width: int, height: int, seed: int = 1) -> NDArray[np.float64]:
@@ -79,7 +85,7 @@ def paint_lashes(width: int, height: int, seed: int = 1) -> NDArray[np.float64]:
         up = 1 - (row + 0.5) / height
         growth = np.clip(1 - up / length, 0, 1)
         center = (roots + lean * up**1.5) * width
-        half = (0.12 + 0.25 * growth) * width / LASHES_PER_LID
+        half = (0.02 + 0.08 * growth) * width / LASHES_PER_LID
         cover = np.clip(half + 0.5 - np.abs(columns[:, None] - center), 0, 1) * (growth > 0)
         alpha[row] = cover.max(1)
     return np.concatenate([np.broadcast_to(LASH, (height, width, 3)), alpha[..., None]], axis=2)

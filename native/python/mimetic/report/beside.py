@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.character.appearance import SURFACE_OF_PART, Appearance, appearance_of
 from mimetic.character.contact_shapes import contact_shapes
-from mimetic.character.face_paint import SKIN
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.shared.pinhole import camera_of
 from mimetic.shared.progress import Progress
@@ -26,8 +25,6 @@ INTO_THE_MOUTH = 0.04  # metres behind the lips at which 1/e of the light is lef
 IN_THE_SHADE = 0.12  # of the light, at the back of the mouth
 TOUCHING = 0.002  # metres between the lips' inner landmarks where they touch
 SLIT, OPEN = 0.15, 0.008  # of that light between lips that touch; metres apart for all of it
-EXPOSURES = (0.3, 1.0)  # of footage beside painted skin in full light
-EYES = 0.85  # lids and brows keep light from them
 GAUGE = 22  # rows below the views
 COARSER = 4  # texels of lashes in one
 PLAIN = (200, 168, 148)  # of a mesh that is not our own head's
@@ -157,7 +154,7 @@ def _painted(
         corners, of_face = np.zeros((4 * len(faces), 2)), np.zeros(len(faces), dtype=np.int32)
         surface = _core.PaintedSurface(faces, [_plain(PLAIN)], of_face, corners, brightness)
         return surface, vertices
-    brightness = _brightness(performance, template, appearance)[vertices]
+    brightness = _brightness(performance, template)[vertices]
     pictures = [
         _plain(_levels(surface.colour)) if surface.texture is None else _opaque(surface.texture)
         for surface in appearance.surfaces
@@ -175,18 +172,10 @@ def _inside(appearance: Appearance | None) -> NDArray[np.bool_]:
     )
 
 
-def _brightness(
-    performance: Performance, template: FaceTemplate, appearance: Appearance
-) -> NDArray[np.float64]:
-    """V, the light that reaches each place: little of it the inside of the mouth.
-
-    Eyes and teeth are painted: they are as dark as the footage is.
-    """
+def _brightness(performance: Performance, template: FaceTemplate) -> NDArray[np.float64]:
+    """V, the light that reaches each place: little of it the inside of the mouth."""
     neutral = performance.neutral_vertices
     light = np.ones(len(neutral))
-    filmed = np.mean(_levels(appearance.surfaces[0].colour)) / np.mean(255 * SKIN)
-    light[template.num_skin_vertices :] = np.clip(filmed, *EXPOSURES)
-    light[template.part_vertices("eye.L", "eye.R")] *= EYES
     skin = template.part_vertices("skin")
     inside = np.setdiff1d(template.part_vertices(*INSIDE), skin)
     lips = neutral[[template.landmark(f"lip_{which}") for which in ("upper", "lower")], 2].min()

@@ -361,7 +361,7 @@ class ClipCapture:
         pose_cov = rows.pose_covariances()
         pose_cov[:, :3, :3] += _of_the_turn(poses, fit.head_pose)
         fps = float(self.walk.footage.fps)
-        gaze = ClipGaze(fit, self.template, rows, at_fit, fps)
+        gaze = ClipGaze(fit, self.template, rows, at_fit, fps, self.walk.scene_starts)
         of_values = gaze.fields(
             list(self.anatomy.articulator_names),
             values[:, num_muscles:],

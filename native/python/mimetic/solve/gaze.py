@@ -7,6 +7,7 @@ says of the lids is how much of their closure is the gaze's.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ FACING = np.array([[EYE_FACES, 0.0, 1.0], [-EYE_FACES, 0.0, 1.0]])
 class ClipGaze:
     """Fields of the performance for eyes that turn; made from what was followed of a clip.
 
-    at_fit: of the fitted frame, which need not be among the rows.
+    at_fit: of the fitted frame, which need not be among the rows. scene_starts: frames after a cut.
     """
 
     def __init__(
@@ -37,10 +38,13 @@ class ClipGaze:
         rows: Rows,
         at_fit: _core.FrameEstimate,
         fps: float,
+        scene_starts: Collection[int] = (),
     ) -> None:
         neutral = fit.neutral_vertices(template)
         self.eyes = eye_geometry(neutral, template)
         seen, is_clip = _with_fitted_frame(rows, fit.frame, at_fit, fps)
+        first = int(np.argmax(is_clip))  # of the clip's rows among what is followed
+        starts = [start for start in scene_starts if rows.frame[0] < start <= rows.frame[-1]]
         track = _core.follow_gaze(
             fit.camera,
             _core.Eyeballs(self.eyes.centers, self.eyes.radii, FACING),
@@ -48,6 +52,7 @@ class ClipGaze:
             seen.pose_covariances(),
             np.array(seen.irises),
             fps,
+            (first + np.searchsorted(rows.frame, starts)).tolist(),
         )
         self.angles, self.std = track.angles[is_clip], track.std[is_clip]
         self.rest_std = track.rest_std
