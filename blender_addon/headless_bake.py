@@ -3,8 +3,10 @@
 library assets` start as a child process.
 
 Run by a Python that has the bpy module. Standard input: a line with a request as JSON; the file it
-names as `answer` gets {"text": ...} or, for bad input, {"error": ...}. Standard input then stays
-open as long as the parent lives: when it closes this process ends, too.
+names as `answer` gets {"text": ...} or, for bad input, {"error": ...}, or, for what the system
+refused, such as a full disk, {"failed": what, "number": its errno, "file": of which file}, the last
+two null where unknown. Standard input then stays open as long as the parent lives: when it closes
+this process ends, too.
 """
 
 import contextlib
@@ -70,6 +72,7 @@ def bake(request: dict) -> dict:
     native = importlib.import_module(f"{extension}.native")
     if reason := native.problem():
         return {"error": reason}
+    mimetic = importlib.import_module("mimetic")
     try:
         if target := request.get("target"):
             rig_file = importlib.import_module(f"{extension}.scene_out.rig_file")
@@ -93,8 +96,24 @@ def bake(request: dict) -> dict:
         options += (request["by_phases"], request["with_controls"], request["as_arkit"])
         options += (request["curves"], request["with_eye_nodes"])
         return {"text": new_file.write(*files, *options)}
-    except native.known_errors() as error:
+    except (mimetic.InvalidInput, mimetic.UnreadableMedia) as error:  # some are OSErrors too
         return {"error": str(error)}
+    except OSError as error:
+        return failed(error)
+    except RuntimeError as error:  # what an exporter reported, as text
+        exports = importlib.import_module(f"{extension}.scene_out.exports")
+        refused = exports.reported(error, request["out"])
+        if refused.errno is None:  # a fault of ours, whose traceback tells
+            raise
+        return failed(refused)
+
+
+def failed(error: OSError) -> dict:
+    if error.errno is None:
+        return {"failed": str(error), "number": None, "file": None}
+    name = error.filename
+    file = os.fsdecode(name) if isinstance(name, (str, bytes, os.PathLike)) else None
+    return {"failed": error.strerror, "number": error.errno, "file": file}
 
 
 def load_extension() -> str:

@@ -13,15 +13,15 @@ class Playhead:
     and gives it back by going to the frame where it was left."""
 
     def __init__(self, scene: bpy.types.Scene) -> None:
-        self._scene_name = scene.name
+        self._scene = scene.session_uid
         self._left_at = scene.frame_current
 
     def accompany(self, context, clip_name: str, frame: int) -> bool:
         """Says whether it moved."""
         clip, scene = bpy.data.movieclips.get(clip_name), context.scene
-        if clip is None or scene.name != self._scene_name or not _is_on_show(scene, clip):
+        if clip is None or scene.session_uid != self._scene or not _is_on_show(scene, clip):
             return False
-        if scene.frame_current != self._left_at or playback.is_on():
+        if scene.frame_current != self._left_at or playback.has_the_playhead():
             return False
         self._left_at = scene_in.scene_frame(clip, frame)
         if scene.frame_current == self._left_at:

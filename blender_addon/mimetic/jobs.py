@@ -201,7 +201,7 @@ class Job(Modal):
     tick_seconds = 0.02  # shorter than a drawing that `Pace` is to notice
     so_far: object = None  # what may be drawn meanwhile, made by `read`
     facts: dict | None = None  # what scripts are told `write` made, besides its message
-    _scene_name = ""
+    _scene = 0  # its session_uid: a name may change meanwhile
     _shown = ""
     _pace: Pace | None = None
 
@@ -259,7 +259,7 @@ class Job(Modal):
                 return outcome.cancelled(self, context, str(error))
             run.so_far = self.so_far
             run.begin = functools.partial(run.start, self._worker(), inputs)
-        self._scene_name = context.scene.name
+        self._scene = context.scene.session_uid
         self._pace = Pace(self.tick_seconds)
         if running:
             waiting.append(run)
@@ -331,16 +331,17 @@ class Job(Modal):
             return reason
         if context.mode != "OBJECT":
             return iface_("is done: go to Object Mode, where it is written")
+        if playback.is_rendering():
+            return iface_("is done: it is written when the render is")
         if editors.is_dragging():  # which is a step for undo of its own
             return iface_("is done: it is written when nothing is dragged")
         return ""
 
     def _elsewhere(self, context) -> str:
-        if context.scene.name == self._scene_name or self._scene_name not in bpy.data.scenes:
+        own = next((s.name for s in bpy.data.scenes if s.session_uid == self._scene), "")
+        if context.scene.session_uid == self._scene or not own:
             return ""
-        return iface_("waits: go back to the scene {scene}, where it belongs").format(
-            scene=self._scene_name
-        )
+        return iface_("waits: go back to the scene {scene}, where it belongs").format(scene=own)
 
     def _end(self, context):
         run = running

@@ -3,6 +3,7 @@
 
 import dataclasses
 import os
+import resource
 import shutil
 import signal
 import subprocess
@@ -102,6 +103,27 @@ def test_a_glb_is_written(performance_file, tmp_path):
     ran = run_bake(performance_file, "--out", out)
     assert ran.returncode == 0, ran.stderr
     assert out.read_bytes()[:4] == b"glTF"
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".fbx", ".usdc", ".blend"])
+@pytest.mark.newest
+def test_what_the_disk_refuses_gets_status_1_and_a_reason(performance_file, tmp_path, suffix):
+    out = tmp_path / f"face{suffix}"
+    out.write_bytes(b"before")
+    ran = subprocess.run(
+        [sys.executable, "-m", "mimetic", "bake", performance_file, "--out", out],
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000)),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ran.returncode == 1
+    (line,) = ran.stderr.splitlines()
+    if suffix == ".blend":  # Blender itself does not say what went wrong
+        assert "Blender failed" in line and "^^^" not in line
+    else:
+        assert line == f"mimetic: {out}: File too large"
+    assert out.read_bytes() == b"before" and list(tmp_path.iterdir()) == [out]
 
 
 @pytest.mark.parametrize("suffix", [b".glb", b".blend"])

@@ -2,10 +2,13 @@
 """What is exported is read back by Blender's importers and compared, frame by frame."""
 
 import dataclasses
+import errno
 import json
 import os
+import resource
 import subprocess
 import sys
+from contextlib import contextmanager
 
 import bpy
 import numpy as np
@@ -160,6 +163,49 @@ def test_an_exporter_that_is_missing_is_said(extension, scene, face, tmp_path, m
     with pytest.raises(extension("native").known_errors(), match="no USD exporter"):
         exports.export(scene, tmp_path / "face.usdc", face)
     assert list(tmp_path.iterdir()) == []
+
+
+@contextmanager
+def largest_file(size: int):
+    """While it lasts no file grows beyond this many bytes, as if the disk were full."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.mark.parametrize("short_of", [10, 100, 300, 500_000])
+def test_a_usd_file_that_is_cut_off_is_refused(extension, scene, face, tmp_path, short_of):
+    exports = extension("scene_out.exports")
+    path = tmp_path / "face.usdc"
+    exports.export(scene, path, face)
+    before = path.read_bytes()
+    assert len(before) > 600_000
+    # The exporter says that it is done all the same
+    with (
+        largest_file(len(before) - short_of),
+        pytest.raises(OSError, match=r"face.usdc: .*probably no space is left .*; free some"),
+    ):
+        exports.export(scene, path, face)
+    assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]
+
+
+def test_an_exporters_traceback_of_a_full_disk_is_one_reason(extension, scene, face, tmp_path):
+    path = tmp_path / "face.fbx"
+    with largest_file(100_000), pytest.raises(OSError) as failure:
+        extension("scene_out.exports").export(scene, path, face)
+    assert failure.value.errno == errno.EFBIG and failure.value.filename == str(path)
+    assert failure.value.strerror == os.strerror(errno.EFBIG)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_exporters_other_traceback_is_its_last_line(extension):
+    report = 'Error: Python: Traceback (most recent call last):\n  File "x.py", line 1\n'
+    error = RuntimeError(report + "KeyError: 'bone'\nLocation: ops.py:109\n")
+    failure = extension("scene_out.exports").reported(error, "face.fbx")
+    assert failure.errno is None and str(failure) == "face.fbx: KeyError: 'bone'"
 
 
 def test_the_operator_writes_and_says_what_is_lost(face, tmp_path):

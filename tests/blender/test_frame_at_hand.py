@@ -48,3 +48,15 @@ def test_nothing_moves_where_no_editor_shows_the_clip(scene, footage, extension)
     bpy.ops.mimetic.load_clip(filepath=str(footage))
     part.Playhead(scene).accompany(bpy.context, "no such clip", 5)
     assert scene.frame_current == 1
+
+
+def test_a_render_that_counts_in_it_is_left_alone(scene, playhead, extension, monkeypatch):
+    playhead(5)
+    monkeypatch.setattr(extension("playback"), "is_rendering", lambda: True)
+    assert not playhead(6)
+    assert scene.frame_current == 13
+
+
+def test_it_goes_along_in_a_scene_that_is_renamed(scene, playhead):
+    scene.name = "sh010"
+    assert playhead(5) and scene.frame_current == 13

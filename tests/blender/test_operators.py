@@ -301,7 +301,9 @@ def test_a_job_that_made_nothing_takes_those_behind_it_along(extension, pressed)
     assert end_of(other, context) == {"FINISHED"} and kind.written == ["other"]
 
 
-def test_a_result_waits_until_the_scene_can_take_it(extension, scene, performance_file):
+def test_a_result_waits_until_the_scene_can_take_it(
+    extension, scene, performance_file, monkeypatch
+):
     bpy.ops.mimetic.load_performance(filepath=str(performance_file))
     bpy.ops.mimetic.bake()
     jobs = extension("jobs")
@@ -309,12 +311,17 @@ def test_a_result_waits_until_the_scene_can_take_it(extension, scene, performanc
     run = jobs.running = jobs.Run("Bake")
     try:
         job = jobs.Job()
-        job._scene_name = scene.name
+        job._scene = scene.session_uid
         assert "Object Mode" in job._hindrance(context)
         context.mode = "OBJECT"
         assert job._hindrance(context) == ""
         context.scene = bpy.data.scenes.new("Other")
         assert scene.name in job._hindrance(context)
+        scene.name = "sh010"
+        assert "sh010" in job._hindrance(context)
+        context.scene = scene
+        monkeypatch.setattr(extension("playback"), "is_rendering", lambda: True)
+        assert "render" in job._hindrance(context)
         run.stop.set()
         assert job._hindrance(context) == ""
     finally:

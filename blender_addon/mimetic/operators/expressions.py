@@ -97,7 +97,9 @@ class MIMETIC_OT_apply_expression(OnFace, Operator):
         subtype="FACTOR",
         description="From what the face is, 0, to the expression, 1",
     )
-    is_mirrored: BoolProperty(name="Mirrored", description="The other side's")
+    is_mirrored: BoolProperty(
+        name="Mirrored", options={"SKIP_SAVE"}, description="The other side's"
+    )
     use_key: BoolProperty(
         name="Key",
         options={"SKIP_SAVE"},

@@ -87,7 +87,7 @@ class MIMETIC_OT_find_face(Job, Operator):
         facts = {"clip": clip_name, "frame": fit.frame, "rest": fit.rest_text()}
         self.facts = facts | {"warnings": warnings}
         # What was found is on show at once; frame_set() would leave the clip editors behind
-        if clip == scene_in.clip_of(context) and not playback.is_on():
+        if clip == scene_in.clip_of(context) and not playback.has_the_playhead():
             context.scene.frame_current = scene_in.scene_frame(clip, fit.frame)
         message = rpt_(
             "Face found in frame {frame}; drag its landmarks in the clip editor to pin them"

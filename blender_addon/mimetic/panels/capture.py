@@ -51,8 +51,8 @@ class Capture:
             then = iface_("Then: {job}").format(job=later.name())
             paragraph(row.column(align=True), then, num_beside=1)
             row.operator("mimetic.stop", text="", icon="X").index = i
-        keeps = "Esc stops and keeps what is done"
-        layout.label(text=keeps if run.keeps_part else "Esc stops")
+        keeps, stops = iface_("Esc stops and keeps what is done"), iface_("Esc stops")
+        paragraph(layout, keeps if run.keeps_part else stops)
 
     def draw_next(self, layout, settings, step):
         """What takes the footage further, lit, at the top, where no sidebar is too low for it."""

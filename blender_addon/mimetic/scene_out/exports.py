@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import os
+import re
+import struct
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -17,6 +20,31 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from .. import compat, native
 from . import contact_curves, gltf, negative_keys, part_curves, pictures, selection, strip_curves
 
+# How a USD crate file begins: its kind, 8 bytes of version, and where its table of contents is
+CRATE_HEADER = struct.Struct("<8s8xq")
+CRATE_SECTION = 32  # bytes of a row of that table, which the number of rows precedes
+# What a disk refuses; Windows has no quotas of this kind
+OF_DISKS = {errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC)}
+
+
+def _is_anything(path: Path) -> bool:
+    return path.stat().st_size > 0
+
+
+def _is_whole_usd(path: Path) -> bool:
+    """Whether all of a crate file is there: its table of contents is written last."""
+    size = path.stat().st_size
+    with open(path, "rb") as stream:
+        header = stream.read(CRATE_HEADER.size)
+        if len(header) < CRATE_HEADER.size:
+            return False
+        kind, contents = CRATE_HEADER.unpack(header)
+        if kind != b"PXR-USDC" or not CRATE_HEADER.size <= contents <= size - 8:
+            return False
+        stream.seek(contents)
+        (num_sections,) = struct.unpack("<Q", stream.read(8))
+    return contents + 8 + CRATE_SECTION * num_sections <= size
+
 
 @dataclass(frozen=True)
 class Format:
@@ -26,6 +54,8 @@ class Format:
     loses: str  # for the user
     pictures: str = ""  # "inside" the file, "beside" it in a folder, or none
     subdivides: bool = False  # whether it says itself that a mesh is to be subdivided
+    # Whether a file is not cut off: of an exporter that does not report a full disk
+    is_whole: Callable[[Path], bool] = _is_anything
 
 
 def _fbx(path: str, first: int, last: int) -> None:
@@ -94,6 +124,7 @@ FORMATS = {
         "blend shapes' names have _ for every dot and space; limits of sliders are lost",
         "beside",
         subdivides=True,
+        is_whole=_is_whole_usd,  # a full disk is on the console alone, and FINISHED is returned
     ),
     ".abc": Format(
         "Alembic",
@@ -159,15 +190,41 @@ def export(
             try:
                 kind.write(str(aside), first, last)
             except RuntimeError as error:  # what the exporter reported
-                raise OSError(f"{path}: {str(error).strip()}") from None
-        if not aside.is_file():
-            raise OSError(
-                rpt_("{path}: Blender's {format} exporter wrote nothing").format(
-                    path=path, format=kind.name
-                )
-            )
+                raise reported(error, path) from None
+        _check_written(aside, path, kind)
     loses = f"{kind.name}: {rpt_(kind.loses)}"
     return "; ".join(filter(None, (loses, selection.left_out(scene, character))))
+
+
+def reported(error: RuntimeError, path: str | os.PathLike[str]) -> OSError:
+    """What to raise for what an exporter reported as it wrote `path`: with a number what the disk
+    refused, if a traceback in the report has that, else what it reported, of a traceback the end.
+    """
+    text = str(error).strip()
+    numbers = [int(number) for number in re.findall(r"\[Errno (\d+)\]", text)]
+    if refused := [number for number in numbers if number in OF_DISKS]:
+        return OSError(refused[-1], os.strerror(refused[-1]), str(path))
+    if "Traceback" not in text:
+        return OSError(f"{path}: {text}")
+    lines = [line for line in text.splitlines() if not line.startswith((" ", "Location:"))]
+    return OSError(f"{path}: {lines[-1]}")
+
+
+def _check_written(aside: Path, path: Path, kind: Format) -> None:
+    """Raises OSError unless the exporter wrote a whole file, which is to be `path`, at `aside`."""
+    if not aside.is_file():
+        raise OSError(
+            rpt_("{path}: Blender's {format} exporter wrote nothing").format(
+                path=path, format=kind.name
+            )
+        )
+    if not kind.is_whole(aside):
+        raise OSError(
+            rpt_(
+                "{path}: Blender's {format} exporter wrote a part of the file alone: probably no "
+                "space is left on the disk; free some, or choose another folder"
+            ).format(path=path, format=kind.name)
+        )
 
 
 @contextmanager

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`mimetic bake` before it asks Blender, and where it does not."""
 
+import os
+
 import numpy as np
 import pytest
 from clips import make_clip
 from mimetic import InvalidInput, UnreadableMedia
+from mimetic.commands import bake as bake_command
 from mimetic.commands import cli
 from mimetic.commands.bake import bake
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.media.footage import Footage
 from mimetic.report.beside import BesideDrawing
+from mimetic.retarget.controls import ControlRow, save_preset
 from sample_performance import make_performance
 
 
@@ -37,6 +41,35 @@ def test_footage_of_a_performance_that_names_none_is_taken(clips, tmp_path):
     make_performance(footage=None).save(tmp_path / "p.npz")
     with pytest.raises(UnreadableMedia, match="no python"):
         bake(tmp_path / "p.npz", tmp_path / "face.glb", clips[1], tmp_path / "no python")
+
+
+@pytest.mark.parametrize("how", ["its name", "a link", "the preset's"])
+def test_what_a_target_is_read_from_is_not_replaced(tmp_path, capsys, how):
+    make_performance().save(tmp_path / "p.npz")
+    rig, preset, out = (tmp_path / name for name in ("rig.blend", "preset.json", "out.blend"))
+    rig.write_bytes(b"BLENDER")
+    save_preset([ControlRow("smile")], preset)
+    if how == "its name":
+        out = rig
+    elif how == "a link":
+        out.symlink_to(rig.name)
+    else:
+        os.link(preset, out)
+    before = out.read_bytes()
+    words = ["bake", tmp_path / "p.npz", "--target", f"{rig}:Hero", "--preset", preset]
+    status = cli.main([*map(str, words), "--out", str(out), "--blender-python", "none"])
+    assert status == 2
+    assert "would replace what is read; give another name" in capsys.readouterr().err
+    assert out.read_bytes() == before
+
+
+def test_a_name_of_two_lines_is_said_in_one(tmp_path, capsys, monkeypatch):
+    make_performance().save(tmp_path / "p.npz")
+    monkeypatch.setitem(bake_command.TABLES, ".csv", lambda performance, out: "written")
+    out = tmp_path / "face\nof two.csv"
+    assert cli.main(["bake", str(tmp_path / "p.npz"), "--out", str(out)]) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    assert "face\\nof two.csv: " in line
 
 
 def test_a_video_shows_face_and_footage_in_all_frames(tmp_path, capsys):

@@ -2,10 +2,13 @@
 """Numbered pictures on the command line, and their rate."""
 
 import argparse
+import re
+from pathlib import Path
 
 import pytest
 from clips import ffmpeg, make_clip
 from mimetic import InvalidInput
+from mimetic.commands import cli
 from mimetic.commands.cli import main
 from mimetic.commands.footage_argument import add_footage_argument, give_rate
 from mimetic.media.footage import Footage
@@ -37,6 +40,30 @@ def test_pictures_play_at_the_rate_that_is_given(folder):
 def test_a_video_has_a_rate_of_its_own(folder):
     with pytest.raises(InvalidInput, match="a video file has a rate of its own"):
         parsed(folder.with_name("a.mp4"), "--fps", "30")
+
+
+# Each with what else it needs
+OF_FOOTAGE = {
+    "capture": ["capture"],
+    "head": ["head"],
+    "fit": ["fit"],
+    "calibrate": ["calibrate"],
+    "puppet_run": ["puppet", "run", "--templates", "set.npz"],
+}
+
+
+def test_every_command_of_footage_takes_its_rate(folder, tmp_path, capfd):
+    names = {
+        path.stem
+        for path in Path(cli.__file__).parent.glob("*.py")
+        if re.search(r"^    add_(footage|clip)_arguments?\(parser", path.read_text(), re.M)
+    }
+    assert names - {"on_clip"} == set(OF_FOOTAGE)  # on_clip: what capture and the like share
+    video = folder.with_name("a.mp4")
+    for words in OF_FOOTAGE.values():
+        command = [*words, str(video), "--out", str(tmp_path / "out"), "--fps", "30"]
+        assert main(command) == 2
+        assert "--fps is of numbered pictures" in capfd.readouterr().err, words
 
 
 def test_bad_pictures_are_one_line_and_bad_input(folder, tmp_path, capfd):

@@ -233,6 +233,7 @@ def test_the_commands_keep_list_mirror_and_compose(tmp_path, capsys):
     ("arguments", "reason"),
     [
         (["keep", "{library}", "{take}", "--name", "smile"], "has an expression smile already"),
+        (["keep", "{library}", "{take}", "--name", "mine"], "mine.png is there already, and of no"),
         (["keep", "{library}", "{take}", "--name", "../x"], "cannot name an expression"),
         (["keep", "{library}", "{take}", "--name", "y", "--event", "1"], "give the group too"),
         (["keep", "{take}", "{take}", "--name", "y"], "is a file"),
@@ -249,6 +250,7 @@ def test_bad_input_is_one_line(tmp_path, capsys, smile, arguments, reason):
     acting(LIPS, 20, 0.8).save(take)
     library.mkdir()
     smile.save(library / "smile.expression.npz")
+    (library / "mine.png").write_bytes(b"a picture of the user's")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     places = {"take": take, "library": library}
     assert main(["library", *(text.format(**places) for text in arguments)]) == 2

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import contextlib
 import os
 import re
 import resource
@@ -198,6 +199,32 @@ def test_errors_of_decoding_are_told_although_no_frame_is_missing(tmp_path):
         (warning,) = footage.warnings
         assert re.search(r"b\.mp4 is damaged: .* not without errors \(.+\)", warning)
     assert footage.failure is None
+
+
+@pytest.mark.parametrize("is_sequence", [False, True])
+def test_what_goes_away_or_is_replaced_before_it_is_read_is_a_failure(tmp_path, is_sequence):
+    clip = gone = make_clip(tmp_path / "a.mp4")
+    if is_sequence:
+        ffmpeg("-i", clip, tmp_path / "a_%02d.png")
+        clip, gone = tmp_path / "a_%02d.png", tmp_path / "a_04.png"
+    footage, content = Footage(clip), gone.read_bytes()
+    gone.rename(tmp_path / "elsewhere")
+    with pytest.raises(OSError, match="it went away while it was read") as failure:
+        footage.read(4)
+    assert failure.value.filename == str(gone) and footage.failure is failure.value
+    assert any("frame 4 could not be read: it went away" in text for text in footage.warnings)
+    gone.write_bytes(content[: len(content) // 3])
+    again = [frame for frame in begun(footage)]
+    assert again == ([1, 2, 3] if is_sequence else [])
+    assert "replaced or written to" in footage.failure.strerror
+    assert not isinstance(footage.failure, UnreadableMedia)
+
+
+def begun(footage):
+    """Numbers of frames that come before a failure."""
+    with contextlib.suppress(OSError):
+        for frame, _ in footage:
+            yield frame
 
 
 def limited(tmp_path, monkeypatch, command):

@@ -2,6 +2,8 @@
 """A rendered clip recorded as if it were live."""
 
 import json
+import os
+import signal
 import socket
 import wave
 from dataclasses import replace
@@ -126,6 +128,25 @@ def test_footage_without_a_face_is_said(tmp_path, capsys):
     assert record(clip, tmp_path / "o", "--every-frame") == 2
     assert "no face was seen" in capsys.readouterr().err
     assert list((tmp_path / "o").iterdir()) == []
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_stop_before_there_is_a_face_is_no_bad_input(
+    tmp_path, capfd, monkeypatch, number, status
+):
+    advance = LiveFilter.advance
+
+    def stopped(self, image, time):
+        os.kill(os.getpid(), number)
+        return advance(self, image, time)
+
+    monkeypatch.setattr(LiveFilter, "advance", stopped)
+    clip = make_clip(tmp_path / "no_face.mp4", size="320x240", frames=1)
+    assert record(clip, tmp_path / "o", "--every-frame") == status
+    assert capfd.readouterr().err.splitlines()[-1] == "mimetic: stopped"
+    teach = ["puppet", "teach", "--camera", str(clip), "--every-frame", "--out"]
+    assert main([*teach, str(tmp_path / "set.npz")]) == status
+    assert list((tmp_path / "o").iterdir()) == [] and not (tmp_path / "set.npz").exists()
 
 
 @pytest.mark.parametrize(

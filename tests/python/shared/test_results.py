@@ -7,18 +7,19 @@ import resource
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
 from clips import make_clip
-from mimetic import UnreadableMedia
+from mimetic import InvalidInput, UnreadableMedia
 from mimetic.commands.capture import COSTS, write_pictures
 from mimetic.commands.on_clip import run_on_clip
 from mimetic.fit.face_fit import FaceFit
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
-from mimetic.report.overlay import _encode, write_overlay
+from mimetic.report.overlay import NoFrames, _encode, write_overlay
 from mimetic.shared.results import publish, staging
 from sample_performance import make_performance
 
@@ -38,7 +39,7 @@ def a_fit():
     )
 
 
-def run(clip, out, num_frames=12, draw=write_pictures, meanwhile=lambda: None):
+def run(clip, out, num_frames=12, draw=write_pictures, meanwhile=lambda: None, person=None):
     """The capture command with a following that needs no time; returns its status."""
 
     def follow(_fit, _progress, summary):
@@ -47,7 +48,8 @@ def run(clip, out, num_frames=12, draw=write_pictures, meanwhile=lambda: None):
         return make_performance(num_frames=num_frames)
 
     arguments = argparse.Namespace(
-        **dict.fromkeys(("frames", "fit", "face", "person", "rest", "focal", "sensor")),
+        **dict.fromkeys(("frames", "fit", "face", "rest", "focal", "sensor")),
+        person=person,
         footage=clip,
         out=out,
     )
@@ -176,6 +178,41 @@ def test_a_full_disk_while_drawing_keeps_the_capture(tmp_path, clip, capfd):
     assert failure.value.filename == str(out / "overlay.mp4")
     assert names(out) == ["fit.json", "performance.npz"]
     assert "performance.npz; 12 frames" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("becomes", [None, b"another file"])
+def test_footage_that_goes_before_it_is_drawn_over_is_a_failure(tmp_path, clip, capfd, becomes):
+    out = tmp_path / "out"
+    assert run(clip, out) == 0
+    before = {name: (out / name).read_bytes() for name in FOUR}
+
+    def meanwhile():
+        clip.unlink()
+        if becomes:
+            clip.write_bytes(becomes)
+
+    with pytest.raises(OSError, match="replaced" if becomes else "went away") as failure:
+        run(clip, out, meanwhile=meanwhile)
+    assert failure.value.filename == str(clip) and not isinstance(failure.value, UnreadableMedia)
+    assert names(out / "unfinished") == ["fit.json", "performance.npz"]
+    assert {name: (out / name).read_bytes() for name in FOUR} == before
+    assert "results that were there before" in capfd.readouterr().err
+
+
+def test_an_overlay_without_a_picture_is_a_failure_and_no_file(tmp_path, clip):
+    late = replace(make_performance(), frame=np.arange(101, 113))
+    with pytest.raises(NoFrames, match="none of the frames 101 to 112 can be read"):
+        write_overlay(late, Footage(clip), tmp_path / "overlay.mp4")
+    assert names(tmp_path) == ["clip.mp4"]
+
+
+def test_the_person_that_is_read_is_not_replaced(tmp_path, clip):
+    out = tmp_path / "out"
+    assert run(clip, out) == 0
+    before = (out / "fit.json").read_bytes()
+    with pytest.raises(InvalidInput, match=r"fit\.json is what is read; give another folder"):
+        run(clip, out, person=out / "fit.json")
+    assert (out / "fit.json").read_bytes() == before
 
 
 def test_an_overlay_on_a_full_disk_says_so(tmp_path):

@@ -12,7 +12,9 @@ from mimetic.commands.console import Console
 from mimetic.performance.document import Performance
 from mimetic.report.html import check_report_packages
 from mimetic.shared.regular_file import check_input
-from mimetic.shared.results import prepare_folder, publish, staging
+from mimetic.shared.results import beside_capture, prepare_folder, publish, staging
+
+PAGE = "timing.html"  # in a folder whose report.html is a capture's
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,6 +33,7 @@ def run_analyse(arguments: argparse.Namespace) -> int:
         console.show(0.95, "drawing")
         name = performance.footage[0] if performance.footage else arguments.performance.name
         write_timing(timing, folder, name)
+        beside_capture(folder, out, PAGE)
         publish(folder, out, is_finished=True)
     certain = [event for event in timing.of_kind("group") if event.fit.is_certain]
     delayed_pairs = [pair for pair in timing.delays if pair.delay.is_delayed]

@@ -223,7 +223,7 @@ def run_bake(arguments: argparse.Namespace) -> int:
         ),
         arguments.eyes == "nodes",
     )
-    print(f"{arguments.out}: {text}")
+    print(f"{shown(arguments.out)}: {text}")
     return 0
 
 
@@ -334,7 +334,7 @@ def bake(
     check_input(performance, "the performance.npz of a capture")
     if footage is not None:
         check_footage(performance, footage)
-    check_target(out, performance, *([] if footage is None else [footage]))
+    check_target(out, performance, *_further_inputs(footage, target))
     curves = curves or CurveSettings()
     if not curves.changes_nothing():  # what is wrong with it is said before Blender starts
         edited(Performance.load(performance), curves)
@@ -357,6 +357,17 @@ def bake(
     if out.suffix in TABLES:
         return _write_controls(request, out, blender_python, curves)
     return write_by_blender(request, out, blender_python)
+
+
+def _further_inputs(
+    footage: os.PathLike[str] | None, target: dict | None
+) -> list[str | os.PathLike[str]]:
+    """What a bake reads beside the performance: nothing is written over it."""
+    files: list[str | os.PathLike[str]] = [] if footage is None else [footage]
+    if target is not None:
+        preset = target.get("settings", {}).get("preset")
+        files += [target["file"], *([] if preset is None else [preset])]
+    return files
 
 
 def _write_controls(

@@ -11,7 +11,7 @@ from mimetic.commands.console import Console
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.report.beside import BesideDrawing, baked
-from mimetic.report.overlay import write_overlay
+from mimetic.report.overlay import NoFrames, write_overlay
 from mimetic.shared.progress import stages
 
 CONTACT = 0.05  # of what a frame's pictures cost, to find what lips and lids do to each other
@@ -37,14 +37,16 @@ def write_video(
         touching, drawing = stages(show, CONTACT * performance.num_frames, performance.num_frames)
         clip = Footage(footage)
         pictures = BesideDrawing(baked(performance, with_detail, touching), footage)
-        is_written = write_overlay(performance, clip, out, drawing, pictures)
-    for warning in clip.warnings:
-        console.tell(f"note: {warning}")
-    if not is_written:
-        raise clip.failure or UnreadableMedia(
-            f"--footage {footage} has none of the frames {performance.frame[0]} to "
-            f"{performance.frame[-1]} that can be read"
-        )
+        try:
+            write_overlay(performance, clip, out, drawing, pictures)
+        except NoFrames:
+            raise UnreadableMedia(
+                f"--footage {footage} has none of the frames {performance.frame[0]} to "
+                f"{performance.frame[-1]} that can be read"
+            ) from None
+        finally:
+            for warning in clip.warnings:
+                console.tell(f"note: {warning}")
     return (
         f"{performance.num_frames} frames: the footage at the left, the baked face at the right, "
         "enlarged below"

@@ -21,7 +21,7 @@ from mimetic.batch.task import run_task
 from mimetic.character.sparse_curves import check_tolerance
 from mimetic.commands import cli
 from mimetic.commands.bake import add_face_arguments
-from mimetic.commands.console import Console
+from mimetic.commands.console import Console, say
 from mimetic.media.frame_range import parse_range
 from mimetic.media.image_sequence import USUAL_FPS, ImageSequence, opened
 from mimetic.report.html import check_report_packages
@@ -191,7 +191,7 @@ def run_one(arguments: argparse.Namespace) -> int:
 
     status, message = run_task(arguments.out / arguments.task, run_command, arguments.steps)
     if message:
-        print(f"mimetic: {message}", file=sys.stderr)
+        say(f"mimetic: {message}")
     return status
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import errno
 import importlib.util
 import json
 import os
@@ -19,6 +20,9 @@ from mimetic import InvalidInput, UnreadableMedia
 from mimetic.shared.whole_file import file_beside, file_with_textures
 
 SCRIPT = "headless_bake.py"
+# Free bytes below which a disk counts as full once Blender failed: twice what a face's .blend
+# takes, as Blender removes what it could not finish; and of that of temporary files, which are few
+LITTLE_SPACE, LITTLE_FOR_TEMPORARY = 16 << 20, 1 << 20
 
 
 def add_blender_python(parser: argparse.ArgumentParser) -> None:
@@ -51,9 +55,20 @@ def write_by_blender(request: dict, out: Path, blender_python: os.PathLike[str] 
             "answer": str(Path(folder, "answer.json")),
         }
         answer = _ask(python, whole, Path(folder))
+        if "failed" in answer:
+            raise _refused(answer, str(aside), str(out))
         if "error" in answer:
             raise InvalidInput(answer["error"].replace(str(aside), str(out)))
     return answer["text"]
+
+
+def _refused(answer: dict, aside: str, out: str) -> OSError:
+    """What the system refused to Blender, which wrote `aside`; as if of `out`."""
+    text = answer["failed"].replace(aside, out)
+    if answer["number"] is None:
+        return OSError(text)
+    file = answer["file"]
+    return OSError(answer["number"], text, None if file is None else file.replace(aside, out))
 
 
 def python_with_blender() -> str:
@@ -137,5 +152,25 @@ def _ask(python: os.PathLike[str] | str, request: dict, folder: Path) -> dict:
         raise InvalidInput(
             f"--blender-python {python} has no Blender module: pip install bpy in it"
         )
-    last_lines = "\n".join(output.strip().splitlines()[-12:])
-    raise OSError(f"Blender failed (exit status {process.returncode}):\n{last_lines}")
+    raise _failure(process.returncode, output, request)
+
+
+def _failure(status: int, output: str, request: dict) -> OSError:
+    """Why Blender ended without an answer: a full disk, where there is one, and its last lines."""
+    # But for the marks below a traceback's lines, which mean nothing in one line
+    lines = [line for line in output.strip().splitlines() if line.strip(" ^~")]
+    said = f"Blender failed (exit status {status}):\n" + "\n".join(lines[-12:])
+    copied = (request.get(kind) for kind in ("target", "shapes"))
+    sizes = [os.stat(source["file"]).st_size for source in copied if source]
+    temporary = Path(request["answer"]).parent
+    for folder, needed, name in (
+        (Path(request["out"]).parent, max([LITTLE_SPACE, *sizes]), None),  # that of the result
+        (temporary, LITTLE_FOR_TEMPORARY, str(temporary.parent)),
+    ):
+        free = shutil.disk_usage(folder).free
+        if free < needed:
+            why = f"{os.strerror(errno.ENOSPC)}, as it seems ({free / 1e6:.1f} MB are free)"
+            return OSError(
+                errno.ENOSPC, f"{why}; free some, or choose another folder. {said}", name
+            )
+    return OSError(said)

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import TextIO
 
 from mimetic import InvalidInput, UnreadableMedia, __version__
+from mimetic.commands.console import say
 from mimetic.shared.interrupts import signals_raised
 from mimetic.shared.shown_text import shown
 
@@ -74,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _write_any_name(sys.stdout)
     status, message = outcome(options)
     if message:
-        print(f"mimetic: {message}", file=sys.stderr)
+        say(f"mimetic: {message}")
     return status
 
 
@@ -88,7 +89,8 @@ def outcome(options: argparse.Namespace) -> tuple[int, str]:
     except KeyboardInterrupt as request:
         return getattr(request, "status", INTERRUPTED), "stopped"
     except BrokenPipeError:  # `mimetic info ... | head`
-        sys.stderr.close()
+        if sys.stderr is not None:
+            sys.stderr.close()
         return FAILED, ""
     except OSError as error:
         name = f"{error.filename}: " if error.filename else ""

@@ -18,8 +18,10 @@ from mimetic.muscles.action_units import check_mesh, unit_names
 from mimetic.performance.document import Performance
 from mimetic.report.html import check_report_packages
 from mimetic.shared.regular_file import check_input
-from mimetic.shared.results import prepare_folder, publish, staging
+from mimetic.shared.results import beside_capture, prepare_folder, publish, staging
 from mimetic.template.face_template import load_template
+
+PAGE = "comparison.html"  # in a folder whose report.html is a capture's
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -70,6 +72,7 @@ def run_compare(arguments: argparse.Namespace) -> int:
         console.show(0.95, "drawing")
         name = performance.footage[0] if performance.footage else arguments.performance.name
         write_comparison(comparison, timing, template, folder, name, fields)
+        beside_capture(folder, out, PAGE)
         publish(folder, out, is_finished=True)
     spatial, temporal = comparison.spatial, comparison.temporal
     print(

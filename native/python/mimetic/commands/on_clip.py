@@ -134,14 +134,13 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
     following, what is finished is kept. Raises what the work raises.
     """
     check_report_packages()
-    out = arguments.out
-    footage = Footage(arguments.footage)
+    out, footage = arguments.out, Footage(arguments.footage)
     fit, person = _given_fits(arguments)
     lens = lens_of(arguments)
     is_found_first = bool(arguments.face or person or lens or arguments.rest is not None)
     first, last = check_range(arguments.frames, footage)
     check_rest(arguments.rest, footage)
-    prepare_folder(out, OF_A_CLIP, footage.path)
+    prepare_folder(out, OF_A_CLIP, footage.path, *filter(None, [arguments.person]))
     summary = CaptureSummary()
     with staging(out) as folder, Console() as console, listen_for_interrupt() as interrupt:
 
@@ -174,8 +173,9 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
         try:
             summary.fit.save(folder / "fit.json")
             draw(performance, footage, folder, summary, drawing, interrupt)
+            failure = failure or footage.failure  # of the pictures, not all of which are drawn
         except OSError as error:  # a full disk, footage that is gone: the capture is done
-            failure = error
+            failure = failure or error
         console.show(1.0, "done")
         names = sorted(path.name for path in folder.iterdir())
         where = publish(folder, out, is_finished=not interrupt() and failure is None)

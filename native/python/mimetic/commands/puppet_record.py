@@ -5,12 +5,11 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import sys
 import time
 from pathlib import Path
 
-from mimetic import InvalidInput, _core
-from mimetic.commands.console import Console
+from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic.commands.console import Console, say
 from mimetic.commands.live_person import add_person_arguments, person_of
 from mimetic.commands.live_source import open_source
 from mimetic.commands.on_clip import add_lens_arguments, save_performance, tell_results
@@ -95,7 +94,12 @@ def run_record(arguments: argparse.Namespace) -> int:
         recording = Recording(source, folder, options, console.tell)
         _tell_stillness(console, options.stillness, source.fps)
         _count_down(console, arguments.countdown, interrupt)
-        performance = recording.run(interrupt)
+        try:
+            performance = recording.run(interrupt)
+        except UnreadableMedia:
+            if interrupt():  # before there was anything to keep
+                raise KeyboardInterrupt from None
+            raise
         console.tell(recording.session.figures.line())
         return _publish(console, folder, out, performance)
 
@@ -157,4 +161,4 @@ def _count_down(console: Console, seconds: int, interrupt: Interrupt) -> None:
                 raise KeyboardInterrupt
             time.sleep(0.1)
     if seconds:
-        print("\a", end="", file=sys.stderr, flush=True)
+        say("\a", end="")

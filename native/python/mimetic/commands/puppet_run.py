@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mimetic import InvalidInput
+from mimetic.commands.footage_argument import give_rate
 from mimetic.commands.on_clip import add_clip_arguments, run_on_clip
 from mimetic.commands.puppet_teach import add_head
 from mimetic.commands.send import add_send, addresses_of
@@ -63,6 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_run(arguments: argparse.Namespace) -> int:
+    give_rate(arguments)
     taught = TaughtSet.load(arguments.templates)
     if not 0 <= arguments.lag <= LONGEST_LAG:
         raise InvalidInput(f"--lag {arguments.lag:g}: 0 to {LONGEST_LAG:g} seconds")

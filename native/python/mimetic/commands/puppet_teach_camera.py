@@ -9,7 +9,7 @@ import threading
 from pathlib import Path
 
 from mimetic import InvalidInput
-from mimetic.commands.console import Console
+from mimetic.commands.console import Console, is_terminal, say
 from mimetic.commands.live_source import open_source
 from mimetic.commands.on_clip import add_lens_arguments, lens_of
 from mimetic.commands.taught_set import page_of, save_set
@@ -84,12 +84,18 @@ def teach_from_camera(arguments: argparse.Namespace) -> int:
     warm_up()
     tell = Console().tell
     key = _EnterKey() if sys.stdin is not None and sys.stdin.isatty() else None
-    bell = _ring if sys.stderr.isatty() else _keep_quiet
+    bell = _ring if is_terminal() else _keep_quiet
     teaching = LiveTeaching(live, looks, tell, options, old, key, bell)
     with listen_for_interrupt() as interrupt:
         session = LiveSession(source, live, teaching.see, tell)
         session.run(interrupt)
-        status = save_set(teaching.taught(), out)
+        try:
+            taught = teaching.taught()
+        except InvalidInput:
+            if interrupt():  # before there was anything to keep
+                raise KeyboardInterrupt from None
+            raise
+        status = save_set(taught, out)
     if teaching.left and not interrupt():
         raise InvalidInput(
             f"{source.name} ended before these looks were kept: {', '.join(teaching.left)}"
@@ -123,7 +129,7 @@ class _EnterKey:
 
 
 def _ring() -> None:
-    print("\a", end="", file=sys.stderr, flush=True)
+    say("\a", end="")
 
 
 def _keep_quiet() -> None:

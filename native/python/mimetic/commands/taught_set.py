@@ -3,24 +3,29 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from mimetic.puppet.pages import write_taught_page
 from mimetic.puppet.templates import TaughtSet
+from mimetic.shared.results import publish_files, staging
 from mimetic.shared.shown_text import shown
 
 MOST_ADVICE = 3  # lines that are printed
 
 
 def page_of(out: Path) -> Path:
-    return out.with_suffix(".html")
+    """Beside the set; where `out` is a link, beside what it names."""
+    return (Path(os.path.realpath(out)) if out.is_symlink() else out).with_suffix(".html")
 
 
 def save_set(taught: TaughtSet, out: Path) -> int:
-    """Writes both; returns the exit status. Raises OSError."""
-    taught.save(out)
-    page = page_of(out)
-    lines = write_taught_page(taught, page, out.stem)
+    """Writes both, which appear together; returns the exit status. Raises OSError."""
+    page, target = page_of(out), Path(os.path.realpath(out))
+    with staging(target.parent) as folder:
+        taught.save(folder / target.name)
+        lines = write_taught_page(taught, folder / page.name, out.stem)
+        publish_files(folder, target.parent)
     print(
         f"{shown(out)}: {len(taught.looks)} looks, {len(taught.template_parts)} templates, "
         f"{len(taught.example_scores)} examples"

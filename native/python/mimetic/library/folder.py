@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -67,6 +68,13 @@ class Library:
             raise InvalidInput(
                 f"{shown(self.folder)} has an expression {shown(name)} already; give another name, "
                 "or --replace"
+            )
+        if os.path.lexists(self.picture_of(name)) and not (
+            may_replace or self.path_of(name).exists()
+        ):
+            raise InvalidInput(
+                f"{shown(self.picture_of(name))} is there already, and of no expression; give "
+                "another name, or --replace"
             )
         for path in (self.path_of(name), self.picture_of(name)):
             check_replaceable(path)

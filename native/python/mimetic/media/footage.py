@@ -18,6 +18,7 @@ from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.media.ffmpeg import failure_of, ffmpeg_program
 from mimetic.media.ffmpeg_process import fill, running
 from mimetic.media.image_sequence import ImageSequence, is_sequence, number_of, opened
+from mimetic.media.source_state import SourceState
 from mimetic.media.timing import FASTEST, SLOWEST
 from mimetic.shared.regular_file import check_input
 
@@ -61,8 +62,8 @@ class Footage:
     beginning, which may be its sound's; `identity` the file's name and its fingerprint
     (`clip_fingerprint`), as a performance keeps them. Frame numbers start at 1. `warnings` says
     what the user should know and grows while frames are read; `failure` is why ffmpeg gave up on
-    them, if it did. Raises UnreadableMedia, and OSError where ffmpeg ran out of memory or was
-    ended.
+    them, if it did, or that the file went away or was replaced meanwhile. Raises UnreadableMedia,
+    and OSError where ffmpeg ran out of memory or was ended.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -75,6 +76,10 @@ class Footage:
         else:
             self.warnings += self.path.warnings()
         name = os.fsencode(self.path.name).decode(errors="replace")
+        try:
+            self._state = SourceState(self.path)
+        except OSError as error:  # gone since it was checked
+            raise UnreadableMedia(f"{self.path} cannot be read: {error.strerror}") from None
         self.identity = [name, fingerprint(self.path)]
         report, times, tick = self._probe()
         self._read_report(report)
@@ -93,7 +98,8 @@ class Footage:
 
         Decodes a file from its start and drops what comes before `first`: seeking lands on the
         right frame in no format for certain. The array is the caller's to keep. Raises OSError if
-        ffmpeg fails before it gives a frame; later, `failure` says so and the frames end.
+        ffmpeg fails, or the file went away, before it gives a frame; later, `failure` says so and
+        the frames end.
         """
         width, height = self.size
         # Each picture is a file: the first is that of the frame
@@ -115,14 +121,18 @@ class Footage:
                 frame += 1
                 yield frame, image
             process.wait()
-        failure = failure_of(process.returncode, errors, self.path)
-        if failure and frame < first:
-            raise failure
-        self.failure = failure or self.failure
         is_short = frame < min(last or self.num_frames, self.num_frames)
         # Beyond a gap in its numbers ffmpeg looks for a picture of a sequence that never was
         is_file = isinstance(self.path, Path)
-        if is_short or (is_file and process.returncode != 0):
+        is_short = is_short or (is_file and process.returncode != 0)
+        failure = failure_of(process.returncode, errors, self.path)
+        if failure is None and (is_short or (errors and is_file)):
+            failure = self._state.failure()
+        self.failure = failure or self.failure
+        if failure and frame < first:
+            self._warn_of_nothing((first, last or self.num_frames), failure)
+            raise failure
+        if is_short:
             self._warn_of_early_end(frame, failure, errors)
         elif errors and is_file:
             self._warn_of_damage(errors)
@@ -157,6 +167,11 @@ class Footage:
         reason = f" ({_shorten(errors[-1])})" if errors else ""
         why = failure.strerror if failure else f"it ends early or is damaged{reason}"
         self._warn(f"{self.path.name}: {frame} of {self.num_frames} frames could be read: {why}")
+
+    def _warn_of_nothing(self, frames: tuple[int, int], failure: OSError) -> None:
+        first, last = frames
+        which = f"frame {first}" if first == last else f"frames {first} to {last}"
+        self._warn(f"{self.path.name}: {which} could not be read: {failure.strerror}")
 
     def _warn_of_damage(self, errors: deque[bytes]) -> None:
         # Later passes over the file meet the same errors, in another order: reported once

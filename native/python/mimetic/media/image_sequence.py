@@ -103,7 +103,8 @@ class ImageSequence(os.PathLike[str]):
             # or all later ones would be taken for the frames before them
             *("-noautorotate", "-xerror"),
             *("-f", "image2", "-pattern_type", "sequence", "-framerate", str(self.fps)),
-            *("-start_number", str(self.first + frame - 1)),
+            # That picture alone: where it is gone, the next would be taken for it
+            *("-start_number", str(self.first + frame - 1), "-start_number_range", "1"),
             *("-i", "file:" + os.path.join(folder.replace("%", "%%"), pattern)),
         ]
 

@@ -10,7 +10,7 @@ import os
 import signal
 import subprocess
 import threading
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
@@ -33,6 +33,15 @@ from mimetic.template.face_template import FaceTemplate, load_template
 CLEAR_WIDTH = 800  # pixels: smaller footage is enlarged until its lines stay apart
 HIDDEN_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket")
 Pictures = Generator[NDArray[np.uint8] | None, None, None]
+
+
+class NoFrames(OSError):
+    """None of a performance's frames is in the footage any more."""
+
+    def __init__(self, footage: Footage, performance: Performance) -> None:
+        first, last = int(performance.frame[0]), int(performance.frame[-1])
+        text = f"none of the frames {first} to {last} can be read again, to draw over them"
+        super().__init__(errno.EIO, text, str(footage.path))
 
 
 def make_painter(
@@ -124,7 +133,7 @@ def write_overlay(
     """Encodes overlay.mp4 (H.264) in a second pass over the footage, whole or not at all.
 
     drawing: has `performance` and `paint`, by default the captured face's. Returns False, and
-    leaves no file, if `progress` stopped it. Raises OSError.
+    leaves no file, if `progress` stopped it. Raises OSError; NoFrames where the footage gives none.
     """
     path = Path(path)
     drawing = drawing or FaceDrawing(performance)
@@ -132,7 +141,14 @@ def write_overlay(
         file_beside(path, path.suffix) as aside,
         contextlib.closing(_pictures(drawing, footage, progress)) as pictures,
     ):
-        is_finished = _encode(pictures, aside, Fraction(footage.fps), str(path))
+        try:
+            first = next(pictures)
+        except StopIteration:
+            raise footage.failure or NoFrames(footage, performance) from None
+        every = itertools.chain([first], pictures)
+        is_finished = _encode(every, aside, Fraction(footage.fps), str(path))
+        if is_finished and footage.failure:  # it ended before the last frame
+            raise footage.failure
         if not is_finished:
             aside.unlink()
     return is_finished
@@ -157,7 +173,9 @@ def _pictures(drawing: Drawing, footage: Footage, progress: Progress | None) -> 
             yield picture
 
 
-def _encode(pictures: Pictures, path: Path, fps: Fraction, name: str) -> bool:
+def _encode(
+    pictures: Iterator[NDArray[np.uint8] | None], path: Path, fps: Fraction, name: str
+) -> bool:
     """Whether all pictures are in the file; raises OSError that calls it `name`."""
     first = next(pictures, None)
     if first is None:

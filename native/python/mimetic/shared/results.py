@@ -72,12 +72,26 @@ def publish(folder: Path, out: Path, is_finished: bool) -> Path:
         if not is_finished and (out / PERFORMANCE).exists():
             out = _fresh_folder(out)
         names = {path.name for path in folder.iterdir()}
-        old_names = names | set(OF_A_CLIP) if PERFORMANCE in names else names
-        _exchange(folder, out, names, {name for name in old_names if (out / name).exists()})
+        _exchange(folder, out, names | set(OF_A_CLIP) if PERFORMANCE in names else names)
     return out
 
 
-def _exchange(folder: Path, out: Path, names: set[str], old_names: set[str]) -> None:
+def beside_capture(folder: Path, out: Path, name: str) -> None:
+    """Has the report in `folder` called `name` if the folder that it goes to has a capture's."""
+    if (out / "performance.npz").exists():
+        (folder / "report.html").rename(folder / name)
+
+
+def publish_files(folder: Path, out: Path) -> None:
+    """As `publish`, of finished files of any names, and no other file in `out` goes."""
+    with alone_with(out):
+        _exchange(folder, out, {path.name for path in folder.iterdir()})
+
+
+def _exchange(folder: Path, out: Path, going: set[str]) -> None:
+    """going: names in `out` whose files make room for those in `folder`."""
+    names = {path.name for path in folder.iterdir()}
+    old_names = {name for name in going if (out / name).exists()}
     for name in old_names:
         check_replaceable(out / name)
     before = folder / HIDDEN

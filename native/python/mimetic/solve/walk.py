@@ -82,9 +82,10 @@ class ClipWalk:
         return max(frame, neighbour) in self._cuts
 
     def images(self, end: int) -> Iterator[tuple[int, Image]]:
-        """From the fit's frame, which is left out, to `end`; fewer when the user stops."""
+        """From the fit's frame, which is left out, to `end`; fewer when the user stops, or when the
+        footage fails: it then says why (`Footage.failure`), and what was followed is kept."""
         start = time.perf_counter()
-        for frame, image in frames_away(self.footage, self.fit.frame, end):
+        for frame, image in self._read(end):
             self.summary.add("decode", time.perf_counter() - start)
             fraction = min(1.0, self.num_done / self.num_needed)
             text = f"following the {self.subject}{self._at(frame)}"
@@ -94,6 +95,13 @@ class ClipWalk:
             yield frame, np.ascontiguousarray(image)
             self.num_done += 1
             start = time.perf_counter()
+
+    def _read(self, end: int) -> Iterator[tuple[int, Image]]:
+        try:
+            yield from frames_away(self.footage, self.fit.frame, end)
+        except OSError:
+            if self.footage.failure is None:
+                raise
 
     def _at(self, frame: int) -> str:
         """Says so of a frame outside the range, which is gone through to get there."""
