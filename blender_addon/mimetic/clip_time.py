@@ -4,29 +4,18 @@ the rates, and what is baked keeps to the seconds: at another rate the two diffe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from . import native
 
 
-@dataclass(frozen=True)
-class SceneTime:
-    fps: int
-    fps_base: float
-    first: int  # scene frames
-    last: int
-
-
-def of_clip(clip: bpy.types.MovieClip) -> SceneTime:
-    """The rate and range at which a scene shows the clip frame by frame, once."""
-    rate = native.timing().scene_rate(clip.fps)
+def range_of(clip: bpy.types.MovieClip) -> tuple[int, int]:
+    """First and last scene frame of a range that shows the clip once."""
     num_frames = max(clip.frame_duration - clip.frame_offset, 1)
     last = clip.frame_start + num_frames - 1
     # A scene's range has no negative frames
-    return SceneTime(rate.fps, rate.fps_base, max(clip.frame_start, 0), max(last, 0))
+    return max(clip.frame_start, 0), max(last, 0)
 
 
 def scene_rate(scene: bpy.types.Scene):
@@ -35,17 +24,25 @@ def scene_rate(scene: bpy.types.Scene):
 
 
 def is_known(clip: bpy.types.MovieClip | None) -> bool:
-    """Whether the clip's own rate and length are known: its file is there."""
-    return clip is not None and clip.fps > 0 and clip.frame_duration > 0
+    """Whether the clip's rate and length are known: its file is there."""
+    return clip is not None and clip.frame_duration > 0 and (_is_pictures(clip) or clip.fps > 0)
+
+
+def rate_of(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> float:
+    """Frames a second; numbered pictures have the scene's."""
+    return float(scene_rate(scene)) if _is_pictures(clip) else clip.fps
+
+
+def _is_pictures(clip: bpy.types.MovieClip) -> bool:
+    return clip.source == "SEQUENCE"
 
 
 def has_rate(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> bool:
-    return native.timing().is_same_rate(clip.fps, float(scene_rate(scene)))
+    return native.timing().is_same_rate(rate_of(scene, clip), float(scene_rate(scene)))
 
 
 def has_range(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> bool:
-    time = of_clip(clip)
-    return (scene.frame_start, scene.frame_end) == (time.first, time.last)
+    return (scene.frame_start, scene.frame_end) == range_of(clip)
 
 
 def remark(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None) -> str:
@@ -60,8 +57,10 @@ def remark(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None) -> str:
 
 
 def apply(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> None:
-    time = of_clip(clip)
-    scene.render.fps, scene.render.fps_base = time.fps, time.fps_base
+    if not _is_pictures(clip):
+        rate = native.timing().scene_rate(clip.fps)
+        scene.render.fps, scene.render.fps_base = rate.fps, rate.fps_base
     # Each end pushes the other along where it would pass it
-    scene.frame_start, scene.frame_end = time.first, time.last
-    scene.frame_start = time.first
+    first, last = range_of(clip)
+    scene.frame_start, scene.frame_end = first, last
+    scene.frame_start = first

@@ -112,3 +112,17 @@ def test_a_clip_without_its_file_has_no_rate(footage, tmp_path):
     bpy.ops.wm.open_mainfile(filepath=path)
     assert not bpy.ops.mimetic.scene_as_clip.poll()
     assert "frames/s" not in drawn("MIMETIC_PT_capture_view")
+
+
+def test_numbered_pictures_give_their_range_at_the_scenes_rate(scene, tmp_path):
+    for number in range(1001, 1006):
+        picture = bpy.data.images.new("black", 8, 8)
+        picture.filepath_raw, picture.file_format = str(tmp_path / f"shot.{number}.png"), "PNG"
+        picture.save()
+    scene.render.fps, scene.render.fps_base = 24, 1.0
+    clip = scene.mimetic.clip = bpy.data.movieclips.load(str(tmp_path / "shot.1001.png"))
+    assert clip.source == "SEQUENCE"
+    clip.frame_start = 1001
+    assert bpy.ops.mimetic.scene_as_clip() == {"FINISHED"}
+    assert time_of(scene) == (24, 1.0, 1001, 1005)
+    assert not bpy.ops.mimetic.scene_as_clip.poll()

@@ -57,6 +57,7 @@ def _scene_frames(context, shown: seen.Seen) -> tuple[float, float]:
     if shown.performance is not None:
         rate = shown.performance.fps
     else:
-        rate = clip.fps if clip_time.is_known(clip) else float(clip_time.scene_rate(scene))
+        known = clip_time.is_known(clip)
+        rate = clip_time.rate_of(scene, clip) if known else float(clip_time.scene_rate(scene))
     first, second = scene_in.scene_frames_of([1, 2], rate, scene_in.timing(scene, clip))
     return float(first), float(second - first)
