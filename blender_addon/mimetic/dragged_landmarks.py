@@ -16,7 +16,7 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.app.translations import pgettext_iface as iface_
 
-from . import control_preview, editors, handlers, heads, jobs, native
+from . import control_preview, editors, handlers, heads, jobs, native, playback
 from .job_run import Run
 
 WATCH_SECONDS, STILL_SECONDS = 0.1, 0.5
@@ -89,7 +89,7 @@ def next_due(now: float) -> tuple[bpy.types.Window, bpy.types.Object] | None:
         for watched in _watched.values():
             watched.moved = watched.moved and now
         return None
-    if jobs.running or bpy.app.is_job_running("RENDER") or bpy.app.is_job_running("OBJECT_BAKE"):
+    if jobs.running or playback.is_rendering() or bpy.app.is_job_running("OBJECT_BAKE"):
         return None
     for window, scene, head in _shown_heads():
         watched, active = _watched.get(head.name), window.view_layer.objects.active

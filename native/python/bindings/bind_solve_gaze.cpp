@@ -84,8 +84,7 @@ void bind_solve_gaze(py::module_& m) {
         "GazeTrack of a clip's frames in order.\n\n"
         "poses: (N, 4, 4), camera from head; pose_covariances: (N, 6, 6); irises: (N, 2, 6), "
         "`FrameEstimate.irises`,\nof frames that are held 0; scene_starts: indices of frames after a cut, "
-        "over which "
-        "nothing is smoothed.\nRaises InvalidInput.");
+        "over which nothing is smoothed.\nRaises InvalidInput.");
     m.def(
         "corrected_gaze",
         [](const MatrixRows& angles, const std::vector<std::tuple<int, int, double, double, double>>& pins) {

@@ -18,7 +18,7 @@ struct FittedEvent {
     Eigen::VectorXd frames, values, weights;  // n; a weight of 0 leaves the row out
     EventRows rows;
     const CurveNoise* noise;
-    std::optional<double> before;  // `PhaseShape::before`
+    std::optional<double> before = std::nullopt;  // `PhaseShape::before`
 };
 
 /// One model's best fit to an event.

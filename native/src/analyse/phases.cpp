@@ -145,12 +145,8 @@ std::vector<PhaseFit> fit_phases(VectorIn frames, VectorIn values, VectorIn stds
         const double measured_std = options.measured_std > 0 ? options.measured_std : value_std;
         const double smoothing = measured.courses ? 0 : smoothing_ratio(measured_std);
         const CurveNoise noise(n, smoothing);
-        FittedEvent data{frames.segment(rows.first, n),
-                         values.segment(rows.first, n),
-                         Eigen::VectorXd::Ones(n),
-                         rows,
-                         &noise,
-                         std::nullopt};
+        FittedEvent data{frames.segment(rows.first, n), values.segment(rows.first, n),
+                         Eigen::VectorXd::Ones(n), rows, &noise};
         if (measured.courses) {
             data.values = measured.courses->course(measured.members, rows.first, rows.last, rows.top);
         }

@@ -2,8 +2,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/solve/gaze.hpp>
+#include <optional>
+#include <set>
 
 #include "block_banded.hpp"
 #include "gaze_state.hpp"
@@ -16,12 +19,11 @@ using State = GazeState;
 using Turns = std::vector<std::array<IrisTurn, 2>>;
 using Sequence = std::vector<Eigen::VectorXd>;
 
-/// What is seen of a clip; which frames begin a scene, into which nothing goes on.
-struct Clip {
-    Turns turns;
-    std::vector<bool> begins;  // the first frame of all too
-    double fps = 0;
+/// Frames from the first to before the end, into and out of which nothing goes on.
+struct Scene {
+    std::size_t first = 0, end = 0;
 };
+using Scenes = std::vector<Scene>;
 
 constexpr double kSaccade = 1.5;  // degrees, root mean square increment at 30 frames a second, unseen
 
@@ -32,16 +34,12 @@ void add_prior(Eigen::MatrixXd& information, Eigen::VectorXd& pull) {
     pull[2] += own[2] * straight_ahead()[2];
 }
 
-/// Information of the increment from each frame to the next; none over a cut.
-std::vector<Eigen::VectorXd> increments_of(const Clip& clip, const Sequence& states) {
-    const double pace = std::sqrt(30 / clip.fps);
+/// Information of the increment from each frame to the next.
+std::vector<Eigen::VectorXd> increments_of(const Sequence& states, double fps) {
+    const double pace = std::sqrt(30 / fps);
     const double drift = kDrift * pace, tail = kTail * drift;
     std::vector<Eigen::VectorXd> weights;
     for (std::size_t t = 0; t + 1 < states.size(); ++t) {
-        if (clip.begins[t + 1]) {
-            weights.push_back(Eigen::Vector4d::Zero());
-            continue;
-        }
         const double jump = (states[t + 1] - states[t]).head<2>().squaredNorm() / (tail * tail);
         const double own = 1 / (drift * drift * (1 + jump)), apart = kVergenceDrift * pace;
         weights.push_back(Eigen::Vector4d(own, own, 1 / (apart * apart), 1 / (apart * apart)));
@@ -49,45 +47,36 @@ std::vector<Eigen::VectorXd> increments_of(const Clip& clip, const Sequence& sta
     return weights;
 }
 
-BlockBanded joined(std::vector<Eigen::MatrixXd> information, const std::vector<Eigen::VectorXd>& increments) {
+/// increments: from each frame to the next; those over cuts do not count.
+BlockBanded joined(std::vector<Eigen::MatrixXd> information, const std::vector<Eigen::VectorXd>& increments,
+                   const Scenes& scenes) {
     BlockBanded matrix;
     matrix.diagonal = std::move(information);
     matrix.first.assign(matrix.diagonal.size(), Eigen::VectorXd::Zero(4));
     matrix.second = matrix.first;
-    for (std::size_t t = 0; t < increments.size(); ++t) {
-        matrix.diagonal[t].diagonal() += increments[t];
-        matrix.diagonal[t + 1].diagonal() += increments[t];
-        matrix.first[t] = -increments[t];
+    for (const Scene& scene : scenes) {
+        for (std::size_t t = scene.first; t + 1 < scene.end; ++t) {
+            matrix.diagonal[t].diagonal() += increments[t];
+            matrix.diagonal[t + 1].diagonal() += increments[t];
+            matrix.first[t] = -increments[t];
+        }
     }
     return matrix;
 }
 
 bool is_any_seen(const std::array<IrisTurn, 2>& both) { return both[0].is_seen || both[1].is_seen; }
 
-/// As the irises are seen, frames without one on straight lines between their neighbours of the scene.
-Sequence seen_states(const Clip& clip) {
-    const Turns& turns = clip.turns;
-    Sequence states(turns.size(), straight_ahead());
-    constexpr auto kNone = static_cast<std::size_t>(-1);
-    std::size_t first = 0, last = kNone;  // of the scene; seen of the scene
-    const auto carry_on = [&](std::size_t end) {
-        for (std::size_t t = last + 1; last != kNone && t < end; ++t) {
-            states[t] = states[last];
-        }
-    };
+/// As the irises of a scene are seen, frames without one on straight lines between their neighbours.
+void see(const Turns& turns, const Scene& scene, Sequence& states) {
+    std::optional<std::size_t> last;
     const auto bridge = [&](std::size_t to) {
-        for (std::size_t t = last == kNone ? first : last + 1; t < to; ++t) {
-            const double share =
-                last == kNone ? 1 : static_cast<double>(t - last) / static_cast<double>(to - last);
-            states[t] = share < 1 ? (1 - share) * states[last] + share * states[to] : states[to];
+        const std::size_t from = last.value_or(to);
+        for (std::size_t t = last ? from + 1 : scene.first; t < to; ++t) {
+            const double share = last ? static_cast<double>(t - from) / static_cast<double>(to - from) : 1;
+            states[t] = (1 - share) * states[from] + share * states[to];
         }
     };
-    for (std::size_t t = 0; t < turns.size(); ++t) {
-        if (clip.begins[t]) {
-            carry_on(t);
-            first = t;
-            last = kNone;
-        }
+    for (std::size_t t = scene.first; t < scene.end; ++t) {
         const auto& both = turns[t];
         if (!is_any_seen(both)) {
             continue;
@@ -101,14 +90,17 @@ Sequence seen_states(const Clip& clip) {
         bridge(t);
         last = t;
     }
-    carry_on(turns.size());
-    return states;
+    for (std::size_t t = last.value_or(scene.end) + 1; t < scene.end; ++t) {
+        states[t] = states[t - 1];
+    }
 }
 
-Sequence smoothed(const Clip& clip) {
+Sequence smoothed(const Turns& turns, const Scenes& scenes, double fps) {
     constexpr int kRounds = 10;
-    const Turns& turns = clip.turns;
-    Sequence states = seen_states(clip);
+    Sequence states(turns.size(), straight_ahead());
+    for (const Scene& scene : scenes) {
+        see(turns, scene, states);
+    }
     for (int round = 0; round < kRounds; ++round) {
         std::vector<Eigen::MatrixXd> information(turns.size(), Eigen::MatrixXd::Zero(4, 4));
         Sequence next(turns.size(), Eigen::VectorXd::Zero(4));
@@ -117,34 +109,28 @@ Sequence smoothed(const Clip& clip) {
             add_irises(turns[t], &present, information[t], next[t]);
             add_prior(information[t], next[t]);
         }
-        BlockBandedFactor(joined(std::move(information), increments_of(clip, states))).solve(next);
+        BlockBandedFactor(joined(std::move(information), increments_of(states, fps), scenes)).solve(next);
         states = std::move(next);
     }
     return states;
 }
 
 /// Variances of the four angles in every frame, by the jitter and what may happen unseen.
-std::vector<Eigen::Vector4d> variances_of(const Clip& clip) {
-    const Turns& turns = clip.turns;
+std::vector<Eigen::Vector4d> variances_of(const Turns& turns, const Scenes& scenes, double fps) {
     std::vector<Eigen::MatrixXd> information(turns.size(), Eigen::MatrixXd::Zero(4, 4));
     Eigen::VectorXd unused = Eigen::VectorXd::Zero(4);
     for (std::size_t t = 0; t < turns.size(); ++t) {
         add_irises(turns[t], nullptr, information[t], unused);
         information[t].diagonal() += kUnseen.cwiseAbs2().cwiseInverse() / kFixation;
     }
-    const double pace = 30 / clip.fps;
+    const double pace = 30 / fps;
     const Eigen::VectorXd increment =
         (Eigen::Vector4d(kSaccade, kSaccade, .2, .2).cwiseAbs2() * pace).cwiseInverse();
-    std::vector<Eigen::VectorXd> increments(turns.size() - 1, increment);
-    for (std::size_t t = 0; t < increments.size(); ++t) {
-        if (clip.begins[t + 1]) {
-            increments[t].setZero();
-        }
-    }
+    const std::vector<Eigen::VectorXd> increments(turns.size() - 1, increment);
     std::vector<Eigen::Vector4d> variances;
     const Eigen::Matrix4d eyes = eyes_by_state();
     for (const Eigen::MatrixXd& block :
-         BlockBandedFactor(joined(information, increments)).inverse_diagonal()) {
+         BlockBandedFactor(joined(information, increments, scenes)).inverse_diagonal()) {
         variances.push_back((eyes * block * eyes.transpose()).diagonal());
     }
     return variances;
@@ -184,32 +170,27 @@ UsualGaze usual_of(const Sequence& states, const Turns& turns) {
 }
 
 /// A scene that shows no eyes: they stand as in the others.
-void stand_as_usual(const Clip& clip, const UsualGaze& usual, Sequence& states) {
-    for (std::size_t first = 0; first < states.size();) {
-        std::size_t end = first + 1;
-        bool is_seen = is_any_seen(clip.turns[first]);
-        for (; end < states.size() && !clip.begins[end]; ++end) {
-            is_seen = is_seen || is_any_seen(clip.turns[end]);
-        }
-        if (!is_seen && usual.num_seen > 0) {
-            std::fill(states.begin() + static_cast<std::ptrdiff_t>(first),
-                      states.begin() + static_cast<std::ptrdiff_t>(end), usual.median);
-        }
-        first = end;
+void stand_as_usual(const Turns& turns, const Scene& scene, const UsualGaze& usual, Sequence& states) {
+    const auto first = static_cast<std::ptrdiff_t>(scene.first), end = static_cast<std::ptrdiff_t>(scene.end);
+    if (usual.num_seen > 0 && std::none_of(turns.begin() + first, turns.begin() + end, is_any_seen)) {
+        std::fill(states.begin() + first, states.begin() + end, usual.median);
     }
 }
 
-std::vector<bool> marked(std::size_t count, const std::vector<int>& scene_starts) {
-    std::vector<bool> begins(count, false);
-    begins[0] = true;
+Scenes scenes_of(std::size_t count, const std::vector<int>& scene_starts) {
+    std::set<std::size_t> bounds{0, count};
     for (const int start : scene_starts) {
         if (start < 0 || static_cast<std::size_t>(start) >= count) {
             throw InvalidInput("gaze: a scene starts at frame " + std::to_string(start) + " of " +
                                std::to_string(count));
         }
-        begins[static_cast<std::size_t>(start)] = true;
+        bounds.insert(static_cast<std::size_t>(start));
     }
-    return begins;
+    Scenes scenes;
+    for (auto first = bounds.begin(), end = std::next(first); end != bounds.end(); ++first, ++end) {
+        scenes.push_back({*first, *end});
+    }
+    return scenes;
 }
 
 }  // namespace
@@ -225,17 +206,19 @@ GazeTrack follow_gaze(const Camera& camera, const Eyeballs& eyes, const std::vec
     if (frames.empty()) {
         return track;
     }
-    Clip clip{{}, marked(frames.size(), scene_starts), fps};
-    Turns& turns = clip.turns;
+    Turns turns;
     const UsualOpening openings = usual_opening(frames);
     for (const GazeFrame& frame : frames) {
         turns.push_back(
             {iris_turn(camera, eyes, frame, 0, openings), iris_turn(camera, eyes, frame, 1, openings)});
     }
-    Sequence states = smoothed(clip);
-    const std::vector<Eigen::Vector4d> variances = variances_of(clip);
+    const Scenes scenes = scenes_of(frames.size(), scene_starts);
+    Sequence states = smoothed(turns, scenes, fps);
+    const std::vector<Eigen::Vector4d> variances = variances_of(turns, scenes, fps);
     const UsualGaze usual = usual_of(states, turns);
-    stand_as_usual(clip, usual, states);
+    for (const Scene& scene : scenes) {
+        stand_as_usual(turns, scene, usual, states);
+    }
     const auto [rest, rest_variance] = rest_of(usual);
     const Eigen::Matrix4d by_state = eyes_by_state();
     const Eigen::Vector4d at_rest = by_state * rest;

@@ -167,7 +167,7 @@ def _inside_as_filmed(light: NDArray) -> dict[str, tuple[float, float, float]]:
     would glare between its lips. Skin itself may be dark in bright light.
     """
     return {
-        name: _triple(_linear(np.clip(share * light, 0, 1) * _srgb(np.array(colour))))
+        name: _triple(_linear(np.clip(share * light, 0, 1) * srgb(np.array(colour))))
         for name, (colour, share) in INSIDE.items()
     }
 
@@ -215,7 +215,7 @@ def _triple(colour: NDArray) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _srgb(light: NDArray) -> NDArray:
+def srgb(light: NDArray) -> NDArray:
     """sRGB of linear light, both 0 to 1 (IEC 61966-2-1)."""
     return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
 

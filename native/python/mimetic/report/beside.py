@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.character.appearance import SURFACE_OF_PART, Appearance, appearance_of
+from mimetic.character.appearance import SURFACE_OF_PART, Appearance, appearance_of, srgb
 from mimetic.character.contact_shapes import contact_shapes
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.shared.pinhole import camera_of
@@ -209,6 +209,4 @@ def _coarser(texture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 def _levels(colour: tuple[float, float, float]) -> tuple[int, ...]:
     """A colour in linear light, 0 to 1, as sRGB's levels."""
-    light = np.asarray(colour)
-    parts = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    return tuple(int(level) for level in np.clip(255 * parts + 0.5, 0, 255))
+    return tuple(int(level) for level in np.clip(255 * srgb(np.asarray(colour)) + 0.5, 0, 255))

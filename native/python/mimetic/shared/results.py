@@ -78,7 +78,7 @@ def publish(folder: Path, out: Path, is_finished: bool) -> Path:
 
 def beside_capture(folder: Path, out: Path, name: str) -> None:
     """Has the report in `folder` called `name` if the folder that it goes to has a capture's."""
-    if (out / "performance.npz").exists():
+    if (out / PERFORMANCE).exists():
         (folder / "report.html").rename(folder / name)
 
 
