@@ -245,3 +245,12 @@ def test_a_face_that_the_view_layer_does_not_show_is_baked_and_that_is_said(bake
     bpy.context.view_layer.layer_collection.children["Hidden"].exclude = True
     assert bake(performance) == face
     assert "in no collection that this view layer shows" in result()["message"]
+
+
+@pytest.mark.newest
+def test_a_hidden_face_is_baked_and_that_is_said(bake, performance):
+    face = bake(performance)
+    assert "is hidden" not in result()["message"]
+    face.hide_set(True)
+    assert bake(performance) == face and face.hide_get()
+    assert f"{face.name} is hidden" in result()["message"]

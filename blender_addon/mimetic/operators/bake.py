@@ -193,6 +193,10 @@ class MIMETIC_OT_bake(KeyOptions, CurveOptions, TakeOptions, InSections, Job, Op
             message += rpt_("; {name} is in no collection that this view layer shows").format(
                 name=face.name
             )
+        elif not face.visible_get():
+            message += rpt_(
+                "; {name} is hidden: its eye in the Outliner, or its collection's, shows it"
+            ).format(name=face.name)
         return message
 
     def settings(self) -> str:

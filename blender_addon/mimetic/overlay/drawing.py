@@ -124,6 +124,8 @@ def _patch(shader, patch):
 def _draw_scale(context, settings, lowest: float, highest: float) -> None:
     ui_scale = context.preferences.system.ui_scale
     width, height = (side * ui_scale for side in LEGEND_SIZE)
+    room = context.region.width - 2 * MARGIN * ui_scale
+    is_narrow, width = room < width, max(min(width, room), 1.0)
     left = (context.region.width - width) / 2
     bottom = MARGIN * ui_scale
     points, colours = native.strain_map().scale_strip(left, bottom, width, height)
@@ -136,9 +138,11 @@ def _draw_scale(context, settings, lowest: float, highest: float) -> None:
         measure=iface_(measure).lower(), lowest=100 * lowest, highest=100 * highest
     )
     with text.style(ui_scale):
-        for share in (0, 0.25, 0.5, 0.75, 1):
+        for share in (0, 0.5, 1) if is_narrow else (0, 0.25, 0.5, 0.75, 1):
             mark = f"{(2 * share - 1) * settings.strain_limit:+.3g} %" if share != 0.5 else "0"
             wide, high = blf.dimensions(0, mark)
             text.write(mark, left + share * width - wide / 2, bottom - high - 4 * ui_scale)
         wide, _ = blf.dimensions(0, title)
-        text.write(title, left + (width - wide) / 2, bottom + height + 6 * ui_scale)
+        # Where there is no room for all of it its beginning says what is shown
+        beginning = max(left + (width - wide) / 2, 4 * ui_scale)
+        text.write(title, beginning, bottom + height + 6 * ui_scale)

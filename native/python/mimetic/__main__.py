@@ -14,6 +14,7 @@ def main() -> int:
     from mimetic.commands import cli  # numpy and the core: half a second in which Ctrl-C may come
 
     status = cli.main()
+    _drop_unwritten()
     ignore_signals()
     return status
 
@@ -29,6 +30,17 @@ def _fill_streams() -> None:
             os.fstat(number)
         except OSError:
             os.open(os.devnull, os.O_RDWR)  # takes the least number that is free
+
+
+def _drop_unwritten() -> None:
+    """What a closed pipe or a full disk did not take is told by now; Python, as it ends, would try
+    once more, and put its own status in the place of ours."""
+    if sys.stdout is None:
+        return
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

@@ -85,3 +85,17 @@ def test_names_that_are_no_text_can_be_told(tmp_path):
     )
     assert (ran.returncode, ran.stderr) == (0, "")
     assert "udce9" in ran.stdout and os.path.exists(out)
+
+
+@pytest.mark.parametrize("words", [["--help"], ["bake", "--help"], ["--version"]])
+@pytest.mark.parametrize("buffering", [{}, {"PYTHONUNBUFFERED": "1"}])
+def test_help_into_a_closed_pipe_ends_without_a_word(words, buffering):
+    reading, writing = os.pipe()
+    os.close(reading)  # as `mimetic --help | true`
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONUNBUFFERED"} | buffering
+    command = [sys.executable, "-m", "mimetic", *words]
+    try:
+        ended = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, env=environment)
+    finally:
+        os.close(writing)
+    assert ended.returncode == 1 and ended.stderr == b""

@@ -342,3 +342,27 @@ def test_a_clip_that_was_trimmed_without_copying_pictures_has_those_it_shows(tmp
     assert numbers[-1] == 40 and len(numbers) == footage.num_frames < 28
     assert not footage.warnings
     assert footage.times[0] == 0 and len(footage.times) == footage.num_frames
+
+
+@pytest.mark.parametrize("other", [(128, 128), (64, 128)])
+def test_pictures_keep_their_numbers_where_their_size_changes(tmp_path, other):
+    # As calls are recorded: the picture grows when the connection does, in one VP8 stream
+    shape = f"{other[0]}x{other[1]}"
+    parts = [make_numbered_clip(tmp_path / "a.mp4", frames=20), tmp_path / "b.mp4"]
+    ffmpeg(*("-i", parts[0], "-vf", f"negate,scale={shape}"), parts[1])
+    for part in parts:
+        ffmpeg("-i", part, *("-c:v", "libvpx", "-b:v", "2M"), part.with_suffix(".webm"))
+    names = "".join(f"file {part.with_suffix('.webm')}\n" for part in parts)
+    (tmp_path / "parts.txt").write_text(names)
+    joined = tmp_path / "joined.webm"
+    ffmpeg(*("-f", "concat", "-safe", "0", "-i", tmp_path / "parts.txt"), "-c", "copy", joined)
+    footage = Footage(joined)
+    whole = {frame: image.mean() for frame, image in footage.frames()}
+    assert list(whole) == list(range(1, 41)) and footage.size == (64, 64)
+    part = {frame: image.mean() for frame, image in footage.frames(15, 30)}
+    assert list(part) == list(range(15, 31))
+    assert all(abs(part[frame] - whole[frame]) < 1e-9 for frame in part)
+    assert footage.read(35).mean() == pytest.approx(whole[35])
+    told = [warning for warning in footage.warnings if "stretched" in warning]
+    assert len(told) == (other[0] != other[1])
+    assert not told or f"frames of {other[0]} x {other[1]} among those of 64 x 64" in told[0]

@@ -142,3 +142,12 @@ def test_a_pipe_among_the_pictures_is_not_waited_for(tmp_path):
     os.mkfifo(folder / "frame_0005.png")
     with pytest.raises(UnreadableMedia, match=r"frame_0005\.png is no file that can be read"):
         Footage(folder)
+
+
+def test_a_picture_of_another_shape_is_told(tmp_path):
+    folder = make_pictures(tmp_path / "pictures")
+    ffmpeg("-i", folder / "frame_0007.png", "-vf", "scale=64:96", tmp_path / "other.png")
+    os.replace(tmp_path / "other.png", folder / "frame_0007.png")
+    footage = Footage(folder)
+    np.testing.assert_allclose(levels(footage), 5 * np.arange(1, 21), atol=2)
+    assert any("frames of 64 x 96 among those of 64 x 64" in text for text in footage.warnings)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import pytest
-from mimetic.shared.whole_file import TEXTURES, file_with_textures
+from mimetic.shared.whole_file import TEXTURES, file_with_textures, whole_file
 
 
 def put(path, *pictures):
@@ -40,3 +40,10 @@ def test_a_file_that_fails_leaves_all_as_it_was(tmp_path):
     assert found(tmp_path) == before and path.read_text() == "file"
     with pytest.raises(OSError, match=r"nowhere/hero\.usdc"):
         put(tmp_path / "nowhere" / "hero.usdc")
+
+
+def test_a_folder_that_is_gone_is_told_by_the_name_that_was_given(tmp_path):
+    path = tmp_path / "gone" / "hero.json"
+    with pytest.raises(FileNotFoundError) as raised, whole_file(path):
+        pass
+    assert raised.value.filename == str(path)

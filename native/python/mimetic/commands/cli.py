@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TextIO
 
 from mimetic import InvalidInput, UnreadableMedia, __version__
@@ -66,14 +66,8 @@ FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    arguments = list(sys.argv[1:] if arguments is None else arguments)
-    parser = _make_parser(arguments)
-    try:
-        options = parser.parse_args(arguments)
-    except SystemExit as request:  # argparse has printed why
-        return int(request.code or 0)
-    _write_any_name(sys.stdout)
-    status, message = outcome(options)
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    status, message = _told(lambda: _run_words(words))
     if message:
         say(f"mimetic: {message}")
     return status
@@ -81,9 +75,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def outcome(options: argparse.Namespace) -> tuple[int, str]:
     """Runs a command; returns its exit status, and in one line what went wrong, if anything did."""
+    return _told(lambda: _run_options(options))
+
+
+def _run_words(words: list[str]) -> int:
     try:
-        with signals_raised():
-            return options.run(options), ""
+        options = _make_parser(words).parse_args(words)
+    except SystemExit as request:  # argparse has printed why
+        return int(request.code or 0)
+    _write_any_name(sys.stdout)
+    return _run_options(options)
+
+
+def _run_options(options: argparse.Namespace) -> int:
+    with signals_raised():
+        return options.run(options)
+
+
+def _told(run: Callable[[], int]) -> tuple[int, str]:
+    """The exit status that it returns, or that of what it raises, and that in one line."""
+    try:
+        status = run()
+        if sys.stdout is not None:
+            sys.stdout.flush()  # what cannot be written fails here, or as Python ends
+        return status, ""
     except (InvalidInput, UnreadableMedia) as error:
         return BAD_INPUT, line(error)
     except KeyboardInterrupt as request:

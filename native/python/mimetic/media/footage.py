@@ -8,6 +8,7 @@ import re
 from collections import deque
 from collections.abc import Iterator
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +36,7 @@ CONTAINERS = (
 )
 FRAME_RATE = re.compile(rb"config in time_base: (\d+)/(\d+), frame_rate: (\d+)/(\d+)")
 FIRST_FRAME = re.compile(rb" n: +0 .* sar:(\d+)/(\d+) s:(\d+)x(\d+) ")
+OTHER_SIZE = re.compile(rb"incoming frame - w: *(\d+) h: *(\d+)")
 TURNED = re.compile(rb"Display Matrix: rotation of (-?\d+)")
 DAMAGED = "is damaged: all frames could be read, but not without errors"
 LEFT_OUT = 4  # ffmpeg's AV_PKT_FLAG_DISCARD
@@ -105,15 +107,19 @@ class Footage:
         # Each picture is a file: the first is that of the frame
         begin, colours = (1, "") if isinstance(self.path, Path) else (first, self.path.filter)
         until = "" if last is None else f"*lte(n\\,{last - begin})"
+        # With a new graph for pictures of another size `select` would count from 0 again; what
+        # turns pictures is made for one size
+        kept = () if self.rotation else ("-reinit_filter", "0")
+        others: set[tuple[int, int]] = set()
         command = [
-            *self._command("-v", "error", begin=begin),
+            *self._command("-v", "level+warning", *kept, begin=begin),
             *("-vf", f"select=gte(n\\,{first - begin}){until},{colours}scale={width}:{height}"),
             *("-fps_mode", "passthrough", "-pix_fmt", "rgb24", "-f", "rawvideo"),
             *(() if last is None else ("-frames:v", str(last - first + 1))),
             "pipe:1",
         ]
         frame = first - 1
-        with running(command) as (process, output, errors):
+        with running(command, on_line=partial(_is_warning, others)) as (process, output, errors):
             while True:
                 image = np.empty((height, width, 3), np.uint8)
                 if not fill(output, image):
@@ -121,6 +127,7 @@ class Footage:
                 frame += 1
                 yield frame, image
             process.wait()
+        self._warn_of_sizes(others)
         is_short = frame < min(last or self.num_frames, self.num_frames)
         # Beyond a gap in its numbers ffmpeg looks for a picture of a sequence that never was
         is_file = isinstance(self.path, Path)
@@ -180,6 +187,18 @@ class Footage:
                 f"{self.path.name} {DAMAGED} ({_shorten(errors[0])}): what is measured in broken "
                 "pictures is wrong; copy or record it again"
             )
+
+    def _warn_of_sizes(self, others: set[tuple[int, int]]) -> None:
+        """others: (width, height) of pictures that differ from the first."""
+        stored_width, stored_height = self.stored_size
+        for width, height in sorted(others):
+            aspect = (width * stored_height) / (height * stored_width)
+            if max(aspect, 1 / aspect) >= NEARLY_SQUARE:
+                self._warn(
+                    f"{self.path.name} has frames of {width} x {height} among those of "
+                    f"{stored_width} x {stored_height}, which they are stretched to: faces are "
+                    "wrong there; bring all frames to one shape"
+                )
 
     def _warn(self, warning: str) -> None:
         if warning not in self.warnings:
@@ -306,6 +325,13 @@ class Footage:
             )
 
 
+def _is_warning(others: set[tuple[int, int]], line: bytes) -> bool:
+    """Whether ffmpeg only warns in a line; `others` takes up the sizes that it warns of."""
+    if size := OTHER_SIZE.search(line):
+        others.add((max(int(size[1]), 1), max(int(size[2]), 1)))
+    return b"[warning]" in line
+
+
 def _is_left_out(packet: bytes) -> bool:
     """Whether a line of framecrc is of a picture before the beginning that a file states."""
     flags = (word.strip() for word in packet.split(b",")[5:])
@@ -328,4 +354,4 @@ def _with_square_pixels(width: int, height: int, aspect: Fraction) -> tuple[int,
 
 
 def _shorten(line: bytes) -> str:
-    return re.sub(r"^\[[^]]*\] *", "", line.decode(errors="replace"))[:120]
+    return re.sub(r"^(\[[^]]*\] *)+", "", line.decode(errors="replace"))[:120]

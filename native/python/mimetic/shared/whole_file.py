@@ -37,6 +37,7 @@ def file_beside(path: str | os.PathLike[str], suffix: str) -> Iterator[Path]:
     """
     target = Path(os.path.realpath(path))
     check_replaceable(target, str(path))
+    begin = str(target.parent / HIDDEN)  # of what is made here, or could not be
     name = None
     try:
         # A name of its own: two writers of one file each end well
@@ -48,7 +49,7 @@ def file_beside(path: str | os.PathLike[str], suffix: str) -> Iterator[Path]:
             aside.chmod(0o644)
             os.replace(aside, target)
     except OSError as error:
-        if error.errno is not None and error.filename in (None, name):
+        if error.errno is not None and str(error.filename or begin).startswith(begin):
             raise OSError(error.errno, error.strerror, str(path)) from error
         raise
     finally:
