@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mimetic import InvalidInput
@@ -10,6 +12,7 @@ from mimetic.performance.confounding import (
     with_confounding,
 )
 from mimetic.performance.document import Performance
+from mimetic.performance.evidence import evidence_factors
 from mimetic.performance.gaze import GAZE
 from sample_performance import make_performance
 
@@ -82,6 +85,23 @@ def test_an_articulator_is_named_though_gaze_is_listed_before_it():
     assert [(pair.muscle, pair.other) for pair in confounded_pairs(found)] == [
         (found.muscles[4], "jaw_open")
     ]
+
+
+def test_how_far_a_persons_muscle_goes_changes_no_mark():
+    """A file states activations, deviations and evidence relative to it."""
+    plain = performance(evidence({(4, 7): 0.001}, 38))
+    extent = np.ones(36)
+    extent[[4, 7]] = 2.5, 1.5  # .2 / 2.5 alone would count as sure
+    relative = replace(
+        plain,
+        activations=plain.activations / extent,
+        activations_std=plain.activations_std / extent,
+        evidence=plain.evidence * evidence_factors(np.append(extent, np.ones(2))),
+        muscle_extent=extent,
+    )
+    marked = with_confounding(relative).confounded_with
+    assert np.array_equal(marked, with_confounding(plain).confounded_with)
+    assert (marked[:, 4] == 7).sum() == 7
 
 
 def test_where_all_are_told_apart_nothing_is_said():

@@ -12,6 +12,7 @@ from mimetic.muscles.anatomy import attach
 from mimetic.muscles.calibration import Calibration
 from mimetic.performance.corrections import FrameCorrection, Pinned
 from mimetic.performance.document import Performance
+from mimetic.performance.evidence import evidence_factors
 from mimetic.performance.gaze import GAZE
 from mimetic.puppet.live_face import canonical_anatomy, live_face
 from mimetic.solve import full_range
@@ -51,7 +52,7 @@ def test_evidence_says_the_same_of_activations_however_they_are_stated():
     slopes = rng.normal(size=(12, 9))
     information, gradient, step = slopes.T @ slopes, rng.normal(size=9), rng.normal(size=9)
     packed = np.append(information[np.tril_indices(9)], gradient).astype(np.float32)
-    own = packed * full_range.evidence_factors(scale)
+    own = packed * evidence_factors(scale)
     lower = np.zeros((9, 9))
     lower[np.tril_indices(9)] = own[:-9]
     own_information = lower + np.tril(lower, -1).T
@@ -168,7 +169,7 @@ def test_corrections_move_the_skin_alike_however_far_a_muscle_extentes(rendered_
         muscle_modes=usual.muscle_modes * extent[:, None, None],
         muscle_extent=extent,
         evidence=usual.evidence
-        * full_range.evidence_factors(np.append(extent, np.ones(num_articulators))),
+        * evidence_factors(np.append(extent, np.ones(num_articulators))),
     )
     raised.save(tmp_path / "raised.npz")
     raised = Performance.load(tmp_path / "raised.npz")

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.performance.document import Performance
+from mimetic.performance.evidence import evidence_factors
 from mimetic.performance.gaze import GAZE
 
 SHOWN_PAIRS = 6  # those of the most frames; the rest is in the file
@@ -28,8 +29,15 @@ def with_confounding(performance: Performance) -> Performance:
     """The performance with `confounded_with` by its evidence; as it is where it has none."""
     if performance.evidence is None:
         return performance
+    extent = performance.muscle_extent
+    scale = np.ones(len(performance.muscles)) if extent is None else extent
+    num_others = sum(name not in GAZE for name in performance.articulators)
+    # In units of the strength that is assumed: what counts as sure must not depend on how far this
+    # person's muscle goes
     values = _core.confounded_values(
-        performance.activations, performance.activations_std, performance.evidence
+        performance.activations * scale,
+        performance.activations_std * scale,
+        performance.evidence * evidence_factors(np.append(1 / scale, np.ones(num_others))),
     )
     # Evidence is of muscles, then of articulators without gaze
     names = performance.muscles + performance.articulators

@@ -21,6 +21,7 @@ from mimetic.fit.face_fit import FaceFit
 from mimetic.muscles.anatomy import Anatomy
 from mimetic.muscles.extras import articulator_limits
 from mimetic.performance.document import Performance
+from mimetic.performance.evidence import evidence_factors
 
 # Times the assumed displacement: two standard deviations above the mean, 30 % of it each, as people
 # differ in the largest they can do: smile 9.3 mm (s.d. 2.8), brows raised 10.6 (2.5), lids 9.1
@@ -92,13 +93,6 @@ def stated(
         "muscle_modes": anatomy.muscle_modes * extent[:, None, None],
         "muscle_extent": extent,
     }
-
-
-def evidence_factors(scale: NDArray[np.float64]) -> NDArray[np.float32]:
-    """E: times the evidence of values (M) it is that of these values over `scale` (M)."""
-    of_state = np.append(np.ones(6), scale)
-    row, column = np.tril_indices(len(of_state))
-    return np.append(of_state[row] * of_state[column], of_state).astype(np.float32)
 
 
 def assumed_modes(performance: Performance) -> NDArray[np.float32]:

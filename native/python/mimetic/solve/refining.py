@@ -27,6 +27,7 @@ from mimetic.performance.corrections import (
     texts_of,
 )
 from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.performance.evidence import evidence_factors
 from mimetic.performance.gaze import GAZE, has_gaze, own_articulators, seen_articulators
 from mimetic.performance.pinned_places import PinnedPlaces
 from mimetic.shared.pinhole import camera_of
@@ -34,7 +35,6 @@ from mimetic.shared.progress import Progress
 from mimetic.solve.full_range import (
     assumed_anatomy,
     assumed_modes,
-    evidence_factors,
     refining_options,
 )
 from mimetic.solve.refined_spans import (
