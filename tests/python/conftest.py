@@ -12,6 +12,14 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[n]) for n in (1, 2)]
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+@pytest.fixture
+def hangup_heard():
+    """For a test that sends SIGHUP, which is ignored in tests that nohup runs."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
 @pytest.fixture(scope="session")
 def rendered_clip():
     """A rendered head that raises its brows and opens its mouth: `.footage`, `.truth` paths.

@@ -45,6 +45,7 @@ void bind_shape(py::module_& m) {
         .def_readwrite("least_facing", &HeadOptions::least_facing)
         .def_readwrite("held_quality", &HeadOptions::held_quality)
         .def_readwrite("flow_method", &HeadOptions::flow_method)
+        .def_readwrite("frame_rate", &HeadOptions::frame_rate)
         .def_readwrite("fast", &HeadOptions::fast);
 }
 

@@ -109,6 +109,7 @@ void HeadOptions::check() const {
     check_range("head option key_view_angle", key_view_angle, .02, 1.5);
     check_range("head option least_facing", least_facing, .05, .9);
     check_range("head option held_quality", held_quality, 0, 1);
+    check_range("head option frame_rate", frame_rate, 1e-5, 1e6);
 }
 
 }  // namespace mimetic

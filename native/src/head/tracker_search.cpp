@@ -23,7 +23,8 @@ constexpr double kMostTurn = .5;  // rad from frame to frame: no head turns fast
 /// Share of a texture that is in sight in all but one of a hundred frames: of a head that is mostly out of
 /// the picture the strip that is left is alike at many poses.
 constexpr double kUsuallyInSight = .7;
-constexpr std::size_t kNearViews = 5;  // from which an uncertain frame is registered again
+constexpr double kUnseenTurn = .03, kUnseenShift = 3e-3;  // rad^2 and m^2 a second, along each axis
+constexpr std::size_t kNearViews = 5;                     // from which an uncertain frame is registered again
 
 /// Share of the distance by which a head came nearer or went away.
 double nearing(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
@@ -266,9 +267,9 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
     held.correlation = found ? found->correlation : 0;
     held.likeness = found ? found->likeness : 0;
     held.num_samples = 0;
-    // The pose of an unseen head is uncertain: it may turn and move a little every frame.
-    held.covariance.diagonal().head<3>().array() += 1e-3;
-    held.covariance.diagonal().tail<3>().array() += 1e-4;
+    // The pose of an unseen head is uncertain: it may turn and move while it is not seen.
+    held.covariance.diagonal().head<3>().array() += kUnseenTurn / options.frame_rate;
+    held.covariance.diagonal().tail<3>().array() += kUnseenShift / options.frame_rate;
     return held;
 }
 

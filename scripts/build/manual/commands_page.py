@@ -42,7 +42,7 @@ An activation lies between 0 (at rest) and 1 (all that the muscle can do).
 | 0 | done |
 | 1 | failed: the disk is full, memory ran out, Blender ended badly |
 | 2 | what was given is wrong; one line says what, where, what to do ([messages](messages.md)) |
-| 130, 143 | ended by Ctrl-C, by SIGTERM; the finished part is kept |
+| 130, 143, 129 | ended by Ctrl-C, SIGTERM, a closed terminal; the finished part is kept |
 
 What footage can be: one video file with pictures of 16 to 16384
 pixels a side, in any format that ffmpeg reads, with one face seen from the front to about three

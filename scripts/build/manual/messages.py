@@ -123,7 +123,8 @@ def _is_of_lists(node: ast.Assign | ast.AugAssign) -> bool:
 def _is_warning(called: ast.expr) -> bool:
     """Of `warnings.warn`, of `_warn`, and of what adds to a list of warnings, notes or remarks."""
     return isinstance(called, ast.Attribute) and (
-        called.attr in ("warn", "_warn") or (called.attr == "append" and _name(called.value) in LISTS)
+        called.attr in ("warn", "_warn")
+        or (called.attr == "append" and _name(called.value) in LISTS)
     )
 
 

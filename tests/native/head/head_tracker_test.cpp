@@ -129,6 +129,19 @@ TEST(HeadTracker, HoldsALostHeadAndFindsItAtTheDetectorsGuess) {
     EXPECT_LT(degrees_between(estimate.camera_from_head, back), 1.5);
 }
 
+TEST(HeadTracker, StatesOfALostHeadWhatItMayDoInTheTimeOfAFrame) {
+    const HeadScene scene(false);
+    const auto reference = scene.render(HeadScene::pose(0, 0, 0));
+    const std::vector<std::uint8_t> wall(reference.size(), 120);
+    const auto growth = [&](double frame_rate) {
+        HeadTracker tracker(scene.camera, shape_of(scene, HeadModel::surface), scene.view(reference),
+                            HeadScene::pose(0, 0, 0), {.frame_rate = frame_rate});
+        const Matrix6 before = tracker.advance(scene.view(wall)).covariance;
+        return Matrix6(tracker.advance(scene.view(wall)).covariance - before);
+    };
+    EXPECT_TRUE(growth(24).isApprox(2.5 * growth(60), 1e-9));
+}
+
 TEST(HeadTracker, IsNotLedAstrayByAHandOverHalfTheFace) {
     const HeadScene scene(false);
     const auto reference = scene.render(HeadScene::pose(0, 0, 0));

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import csv
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,13 +22,22 @@ def template():
     return load_template()
 
 
-def moved_by(template, unit, further=0.0):
-    """A performance of one muscle whose mode is an action unit, and whatever moves the forehead."""
+WHOLE = (12, 22, 30, 40), (0, 0.8, 0.8, 0)
+RELEASED = (0, 20), (0.8, 0)
+RISING = (0, 8, 16, 30), (0.5, 0.8, 0.8, 0)  # from a half on
+HALVED = (0, 6, 20, 32, 45), (0.6, 0.8, 0.35, 0.8, 0)  # and risen again
+
+
+def moved_by(template, unit, further=0.0, course=WHOLE):
+    """A performance of one muscle whose mode is an action unit, and whatever moves the forehead.
+
+    course: rows and values between which the muscle goes straight.
+    """
     mode = action_unit(unit, template.vertices, template).mode
     modes = np.zeros((4, *mode.shape), np.float32)
     modes[0] = mode
     modes[1, template.landmark("glabella")] = (0, further, 0)
-    ramp = np.interp(np.arange(FRAMES), (12, 22, 30, 40), (0, 0.8, 0.8, 0))
+    ramp = np.interp(np.arange(FRAMES), *course)
     activations = np.zeros((FRAMES, 4))
     activations[:, :2] = ramp[:, None]
     return make_performance(
@@ -65,6 +76,30 @@ def test_motion_elsewhere_is_energy_outside(template):
     assert spatial.outside_far_share > 0.8 * spatial.outside_share  # of another group, high above
 
 
+@pytest.mark.parametrize("course", [RELEASED, RISING])
+def test_what_is_there_when_its_scene_begins_is_measured_from_its_release(template, course):
+    timing = analyse_timing(moved_by(template, "AU12", course=course), kinds=("group",))
+    with pytest.raises(InvalidInput, match=r"or name one by --event \(1\)"):
+        compare(timing, "AU12", template)
+    comparison = compare(timing, "AU12", template, 1)
+    assert not comparison.is_onset_seen and comparison.rest == len(comparison.rows) - 1
+    assert comparison.spatial.intensity == pytest.approx(0.8, abs=0.01)
+    assert comparison.spatial.outside_share < 1e-6
+    assert len(comparison.course) == len(comparison.ramp) == len(comparison.rows)
+    apex = int(course is RISING) * 8
+    assert comparison.course[apex] == pytest.approx(1) and comparison.ramp[apex] > 0.9
+
+
+def test_what_is_never_at_rest_is_refused_and_not_advised(template):
+    timing = analyse_timing(moved_by(template, "AU12", course=HALVED), kinds=("group",))
+    assert timing.of_group(1)[0].fit.begins_before
+    with pytest.raises(InvalidInput, match="already in its first frame 1 and still in its last"):
+        compare(timing, "AU12", template, 1)
+    alone = replace(timing, events=timing.of_group(1)[:1])
+    with pytest.raises(InvalidInput, match=r"capture more of it$"):
+        compare(alone, "AU12", template)
+
+
 def test_units_are_even_and_move_as_their_names_say(template):
     vertices = template.vertices
     for name in unit_names():
@@ -87,6 +122,22 @@ def test_the_command_writes_figures_and_the_numbers_behind_them(tmp_path, templa
     with open(out / "comparison.csv", newline="") as stream:
         [row] = csv.DictReader(stream)
     assert float(row["outside_energy"]) < 0.05
+
+
+def test_an_onset_that_is_not_seen_is_said(tmp_path, template, capsys):
+    moved_by(template, "AU12", course=RELEASED).save(tmp_path / "performance.npz")
+    out = tmp_path / "out"
+    command = ["compare", str(tmp_path / "performance.npz"), "--out", str(out), "--event", "1"]
+    assert main(command) == 0
+    with open(out / "comparison.csv", newline="") as stream:
+        [row] = csv.DictReader(stream)
+    assert row["begins_before_clip"] == "1" and row["rest_frame"] == row["last_frame"]
+    assert row["application_line_r2"] == row["best_ramp_r2"] == ""
+    words = "onset is not seen, as it is there when its scene begins: displacements are from frame"
+    words += f" {row['rest_frame']}"
+    assert words in capsys.readouterr().out
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert words in page and "nan" not in re.sub("src='[^']*'", "", page)
 
 
 def test_bad_input_is_one_line(tmp_path, template, capsys):

@@ -9,7 +9,7 @@ from clips import ffmpeg, make_clip
 from mimetic.analyse.comparison_report import FILES, MOTION_FILES
 from mimetic.commands.cli import main
 from mimetic.template.face_template import load_template
-from test_comparison import FRAMES, moved_by
+from test_comparison import FRAMES, RELEASED, moved_by
 
 SHIFT = (0.5, -0.25)  # pixels a frame that the whole picture moves by
 
@@ -66,6 +66,23 @@ def test_flow_is_the_pictures_and_the_rest_the_performances(performance, gliding
     on_picture = np.column_stack([table["surface_x"], table["surface_y"]])
     np.testing.assert_allclose(on_picture, end - start, atol=1e-4)
     assert np.abs(in_space).max() > 3
+
+
+def test_what_is_there_at_first_is_followed_back_from_its_release(gliding, tmp_path):
+    one = moved_by(load_template(), "AU12", course=RELEASED)
+    one.head_pose[:] = one.head_pose[0]
+    one.save(tmp_path / "p.npz")
+    out = tmp_path / "out"
+    command = ["compare", str(tmp_path / "p.npz"), "--out", str(out), "--footage", str(gliding)]
+    assert main([*command, "--event", "1"]) == 0
+    with open(out / "comparison.csv", newline="") as stream:
+        [event] = csv.DictReader(stream)
+    steps = int(event["peak_frame"]) - int(event["rest_frame"])
+    assert steps < -15
+    table = np.genfromtxt(out / "motion.csv", delimiter=",", names=True)
+    flow = np.column_stack([table["flow_x"], table["flow_y"]])
+    np.testing.assert_allclose(np.median(flow, axis=0), np.multiply(SHIFT, steps), atol=0.4)
+    assert np.abs(table["space_x_mm"]).max() > 3
 
 
 @pytest.mark.parametrize(

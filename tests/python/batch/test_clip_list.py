@@ -57,6 +57,20 @@ def test_results_of_a_batch_in_the_folder_are_no_clips(clips):
     assert names(rows_of([clips])) == ["one.mp4", "three.mkv", "two.MOV"]
 
 
+def test_results_of_a_capture_in_the_folder_are_no_clips(clips):
+    """A clip of that name elsewhere is one."""
+    for name in ("one", "one/unfinished-2"):
+        results = clips / name
+        results.mkdir()
+        for file in ("overlay.mp4", "puppet.mp4"):
+            (results / file).write_bytes(b"result")
+    (clips / "one" / "performance.npz").write_bytes(b"result")
+    (clips / "one" / "four.mp4").write_bytes(b"four")
+    (clips / "sub" / "overlay.mp4").write_bytes(b"five")
+    found = ["four.mp4", "one.mp4", "overlay.mp4", "three.mkv", "two.MOV"]
+    assert sorted(names(rows_of([clips]))) == sorted(found)
+
+
 def test_a_clip_that_is_named_twice_is_done_once(clips):
     assert names(rows_of([clips / "one.mp4", clips])) == ["one.mp4", "three.mkv", "two.MOV"]
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch import plan
-from mimetic.batch.clip_list import Row
+from mimetic.batch.clip_list import Row, rows_of
 from mimetic.batch.page import write_page
 from mimetic.batch.steps import Settings
 from mimetic.batch.task import Task
@@ -86,6 +86,29 @@ def test_a_batch_is_read_as_it_was_prepared(rows, out):
     gone = Row("/gone.mp4", problem="there is no such file")
     batch = plan.prepare(out, [*rows, gone], Settings(("blend",), True, 0.05, "/python"))
     assert plan.load(out) == batch
+
+
+@pytest.mark.parametrize("of", ["clip", "character", "table", "fps"])
+def test_a_name_that_is_no_text_is_the_same_problem_in_every_run(tmp_path, out, of):
+    name = os.fsdecode(b"bad\xe9")
+    clip = tmp_path / (f"{name}.mp4" if of == "clip" else "clip.mp4")
+    (tmp_path / name).mkdir()
+    table = tmp_path / name / "table.csv"
+    table.write_text("clip,range\n,1:2\n")
+    rig = tmp_path / f"{name}.blend"
+    for path in (clip, rig):
+        path.write_bytes(b"")
+    given = [table.parent / "gone.csv", table] if of == "table" else [clip]
+    more = {"character": f"{rig}:Head"} if of == "character" else {}
+    more |= {"fps": name} if of == "fps" else {}
+    for _ in range(2):
+        batch = plan.prepare(out, rows_of(given, **more), Settings())
+        assert batch.tasks == [] and len(batch.problems) == len(given)
+        assert plan.load(out) == batch and all(row.problem for row in batch.problems)
+        assert [path.name for path in out.iterdir()] == ["batch.json"]
+    if of == "clip":
+        (row,) = batch.problems
+        assert row.clip == str(tmp_path / "bad\\udce9.mp4") and "is no text" in row.problem
 
 
 def test_a_folder_that_is_gone_is_a_problem_of_its_clip_alone(rows, out):

@@ -15,6 +15,8 @@ from mimetic.batch import plan
 from mimetic.batch.clip_list import Row
 from mimetic.batch.steps import Settings
 from mimetic.batch.task import Task, run_task
+from mimetic.shared.results import staging
+from mimetic.shared.whole_file import whole_file
 from stand_in import Commands
 
 
@@ -241,6 +243,17 @@ def test_left_over_files_of_a_killed_process_are_removed(prepare, commands):
     (folder / ".mimetic-x.part").write_text("x")
     run_task(folder, commands)
     assert [path.name for path in folder.glob(".mimetic*")] == []
+
+
+def test_what_a_living_process_writes_beside_a_task_stays(prepare, commands):
+    """As of a capture by hand into the clip's folder."""
+    folder = prepare()
+    with staging(folder) as at_work, whole_file(folder / "mine.json") as stream:
+        (at_work / "part").write_text("x")
+        run_task(folder, commands)
+        assert (at_work / "part").read_text() == "x"
+        stream.write(b"{}")
+    assert (folder / "mine.json").read_text() == "{}"
 
 
 def test_of_two_who_run_a_task_one_does_it(prepare, commands):

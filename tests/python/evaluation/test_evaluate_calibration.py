@@ -35,7 +35,7 @@ def clip(monkeypatch):
     def calibrate(footage, frames, fit):
         assert frames == (1, 12)
         known = dict.fromkeys(REGIONS, 0.3)
-        return replace(fit, calibration=result), CalibrationResult(result, known, {}, 2.5)
+        return replace(fit, calibration=result), CalibrationResult(result, known, {}, {}, 2.5)
 
     monkeypatch.setattr(calibration.expressions, "clips", lambda which, report: clips)
     monkeypatch.setattr(calibration, "calibrate", calibrate)

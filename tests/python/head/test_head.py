@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from mimetic import InvalidInput, _core
 from mimetic.commands.cli import main
-from mimetic.head.tracking import MODELS, head_shape, track_head
+from mimetic.head.tracking import MODELS, UNSEEN_COV, _HeadMotion, head_shape, track_head
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
+from mimetic.performance.rows import Rows
 from mimetic.report.head_drawing import HeadDrawing
 from mimetic.score.truth import Truth
 from mimetic.solve.capture_summary import CaptureSummary
@@ -102,6 +105,38 @@ def test_bad_input_is_told_in_one_line(rendered_clip, tmp_path, capsys):
     assert main(["head", str(rendered_clip.footage), *out, "--model", "cube"]) == 2
     assert main(["head", str(rendered_clip.footage), *out, "--frames", "90000:90010"]) == 2
     assert "it has frames 1 to" in capsys.readouterr().err.splitlines()[-1]
+
+
+class StandInClip:
+    """The footage of a walk whose reference is frame 5."""
+
+    def __init__(self, seconds_a_frame):
+        self.footage = SimpleNamespace(time_of=lambda frame: frame * seconds_a_frame)
+        self.fit = SimpleNamespace(frame=5)
+
+
+@pytest.mark.parametrize("seconds_a_frame", [1 / 24, 1 / 60])
+def test_a_lost_heads_covariance_grows_with_the_time_since_it_was_seen(seconds_a_frame):
+    def estimate(held=False):
+        covariance = (4 if held else 1) * 1e-5 * np.eye(6)
+        return SimpleNamespace(
+            held=held,
+            camera_from_head=np.eye(4),
+            covariance=covariance,
+            quality=0.1 + 0.8 * (not held),
+        )
+
+    motion = _HeadMotion.__new__(_HeadMotion)
+    motion.walk = StandInClip(seconds_a_frame)
+    seen = [None, estimate(True), None, estimate(True), estimate(), None]
+    for way in (1, -1):
+        rows = Rows()
+        motion._append(rows, [(5 + way * n, one) for n, one in enumerate(seen, 1)], estimate())
+        variances = np.array(rows.pose_cov)[:, 0, 0]
+        np.testing.assert_allclose(np.diff(variances[:4]), UNSEEN_COV[0, 0] * seconds_a_frame)
+        assert variances[0] > variances[4] == 1e-5
+        assert variances[5] == pytest.approx(variances[0])
+        assert rows.quality == [0, 0, 0, 0, 0.9, 0]
 
 
 def test_a_tracker_refuses_frames_of_another_size(rendered_clip, fit):

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from mimetic import InvalidInput, _core
 from mimetic.commands import cli
+from mimetic.commands.calibrate import described
 from mimetic.fit.face_fit import FaceFit
 from mimetic.muscles.anatomy import AttachedSkin, attach_skin, modes_of, muscle_names
 from mimetic.muscles.articulators import ARTICULATORS
-from mimetic.muscles.calibration import Calibration
+from mimetic.muscles.calibration import REGIONS, Calibration
 from mimetic.skin.mesh import multiply
 from mimetic.solve import calibrate
 from mimetic.template.face_template import load_template
@@ -62,9 +63,27 @@ def test_stiffness_is_found_where_it_shows_and_stays_at_one_elsewhere(mesh, monk
     assert "forehead" not in stiffness
     assert result.stiffness_std["forehead"] == pytest.approx(0.5, rel=0.1)
     assert result.stiffness_std["cheeks"] < 0.5 * 0.5
+    assert set(result.insertion_std) == set(result.strength_std)
+    for name, stds in result.insertion_std.items():
+        assert all(0.1 < std < 2.01 for std in stds)  # 2 mm beforehand
+        informed = result.calibration.insertion.get(name, (0, 0))
+        assert all(std < 1.8 for std, shift in zip(stds, informed, strict=True) if shift)
     assert not any(name.startswith("frontalis") for name in result.calibration.strength)
     assert result.calibration.frames == [3, 9]
     assert result.gain > 10
+
+
+def test_every_number_is_said_with_its_deviation():
+    found = Calibration(
+        {"cheeks": 2.0}, {"mentalis.L": 1.0}, {"mentalis.L": (2.0, 0.0), "mentalis.R": (-1.0, 0.5)}
+    )
+    unknown = dict.fromkeys(REGIONS, 0.5)
+    shifts = {"mentalis.L": (0.5, 1.95), "mentalis.R": (0.25, 1.2)}
+    text = described(calibrate.CalibrationResult(found, unknown, {"mentalis.L": 0.2}, shifts, 3.0))
+    lines = [" ".join(line.split()) for line in text.splitlines()]
+    assert "mentalis.L +2.0 +1.5 to +2.5 0 not seen well enough" in lines
+    assert "mentalis.R -1.0 -1.2 to -0.8 +0.5 -0.7 to +1.7" in lines
+    assert "mentalis.L 1.00 0.82 to 1.22" in lines
 
 
 def test_a_face_at_rest_tells_nothing(mesh):

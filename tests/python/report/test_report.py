@@ -3,16 +3,19 @@ import importlib.util
 import os
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from clips import make_clip
+from mimetic._core import from_rotation_vectors
 from mimetic.commands import cli
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
+from mimetic.report.head_drawing import write_motion_plot
 from mimetic.report.html import write_report
 from mimetic.report.overlay import FaceDrawing, write_overlay
-from mimetic.report.plots import GROUPS, head_angles
+from mimetic.report.plots import GROUPS, head_angle_stds, head_angles
 from mimetic.solve.capture_summary import CaptureSummary
 from sample_fit import make_fit
 from sample_performance import make_performance
@@ -87,6 +90,52 @@ def test_head_angles_are_the_turns_that_were_made():
     np.testing.assert_allclose(angles[1], [degrees, 0, 0], atol=1e-9)
     np.testing.assert_allclose(angles[2], [0, degrees, 0], atol=1e-9)
     np.testing.assert_allclose(angles[3], [0, 0, degrees], atol=1e-9)
+
+
+@pytest.fixture
+def turned():
+    """A head that is turned far, known well about one axis and badly about another."""
+    c, s = np.cos(1.0), np.sin(1.0)
+    right = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    tilt = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    pose = np.tile(np.diag([1.0, -1, -1, 1]), (12, 1, 1))
+    pose[:6, :3, :3] = pose[:6, :3, :3] @ right
+    pose[6:11, :3, :3] = tilt @ pose[6:11, :3, :3] @ right
+    pose[11, :3, :3] = tilt @ pose[11, :3, :3]
+    pose[:, 2, 3] = 0.7
+    covariance = np.diag(np.radians([1, 0.5, 0.2, 0, 0, 0]) ** 2)
+    covariance[0, 1] = covariance[1, 0] = 0.5 * np.radians(1) * np.radians(0.5)
+    return make_performance(head_pose=pose, head_pose_cov=np.tile(covariance, (12, 1, 1)))
+
+
+def test_deviations_of_head_angles_are_those_of_the_angles_themselves(turned):
+    random = np.random.default_rng(5)
+    pose, covariance = turned.head_pose, turned.head_pose_cov[0, :3, :3]
+    draws = []
+    for error in random.multivariate_normal(np.zeros(3), covariance, 4000):
+        turn = from_rotation_vectors(error[None])[0]
+        drawn = pose.copy()
+        drawn[:, :3, :3] = turn @ pose[:, :3, :3]
+        draws.append(head_angles(SimpleNamespace(head_pose=drawn)))
+    np.testing.assert_allclose(head_angle_stds(turned), np.std(draws, axis=0), rtol=0.06)
+
+
+def test_bands_of_head_angles_are_their_deviations(turned, tmp_path, monkeypatch):
+    from matplotlib.axes import Axes
+    from mimetic.report.plots import _head_figure
+
+    bands = []
+
+    def fill_between(panel, x, low, high=0, **style):
+        bands.append((np.asarray(high) - low) / 2)
+
+    monkeypatch.setattr(Axes, "fill_between", fill_between)
+    _head_figure(turned)
+    stds = head_angle_stds(turned)
+    np.testing.assert_allclose(np.array(bands[1:4]).T, stds)  # after the quality's
+    bands.clear()
+    write_motion_plot(turned, tmp_path / "motion.png")
+    np.testing.assert_allclose(np.array(bands[:3]).T, stds)
 
 
 def test_the_overlay_has_the_footages_frames_and_rate(tmp_path, footage):

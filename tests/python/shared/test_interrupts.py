@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ctrl-C and SIGTERM end a command well, at any time."""
+"""Ctrl-C, SIGTERM and a terminal that closes end a command well, at any time."""
 
 import os
 import signal
@@ -10,7 +10,8 @@ import time
 import pytest
 from mimetic.shared.interrupts import Ended, listen_for_interrupt, signals_raised
 
-STATUS = {signal.SIGINT: 130, signal.SIGTERM: 143}
+pytestmark = pytest.mark.usefixtures("hangup_heard")
+STATUS = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGHUP: 129}
 
 
 @pytest.mark.parametrize("number", STATUS)
@@ -21,9 +22,38 @@ def test_the_first_signal_asks_and_the_second_ends(number, capfd):
         os.kill(os.getpid(), number)
         assert interrupted() and interrupted.status == STATUS[number]
         assert "stopping: half is kept" in capfd.readouterr().err
-        os.kill(os.getpid(), number)
-    assert request.value.status == STATUS[number]
+        os.kill(os.getpid(), signal.SIGTERM if number == signal.SIGHUP else number)
+    assert request.value.status == (143 if number == signal.SIGHUP else STATUS[number])
     assert signal.getsignal(number) is before
+
+
+def test_a_shell_that_tells_of_a_closed_terminal_once_more_ends_nothing(capfd):
+    with listen_for_interrupt() as interrupted:
+        for _ in range(2):
+            os.kill(os.getpid(), signal.SIGHUP)
+        assert interrupted.status == 129
+    assert capfd.readouterr().err.count("(SIGTERM ends at once)") == 1
+    cleaned = []
+    with pytest.raises(Ended) as request, signals_raised():
+        try:
+            os.kill(os.getpid(), signal.SIGHUP)
+        finally:
+            os.kill(os.getpid(), signal.SIGHUP)
+            cleaned.append(True)
+    assert cleaned and request.value.status == 129
+
+
+@pytest.mark.parametrize("number", STATUS)
+def test_a_signal_that_was_ignored_from_the_start_stays_so(number):
+    """Ctrl-C, for a job that a script runs in the background; SIGHUP, by nohup."""
+    before = signal.signal(number, signal.SIG_IGN)
+    try:
+        with signals_raised(), listen_for_interrupt() as interrupted:
+            os.kill(os.getpid(), number)
+            assert not interrupted() and signal.getsignal(number) is signal.SIG_IGN
+        assert signal.getsignal(number) is signal.SIG_IGN
+    finally:
+        signal.signal(number, before)
 
 
 def test_work_that_gives_up_when_asked_ends_by_the_signal_that_asked():

@@ -95,7 +95,10 @@ def test_two_captures_into_one_folder_end_well_and_leave_results_of_one(tmp_path
     assert Footage(out / "overlay.mp4").num_frames == 12
 
 
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.usefixtures("hangup_heard")
+@pytest.mark.parametrize(
+    ("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
+)
 def test_a_stopped_run_keeps_its_part_and_replaces_nothing(tmp_path, clip, capfd, number, status):
     out = tmp_path / "out"
     assert run(clip, out) == 0
@@ -160,6 +163,30 @@ def test_what_cannot_be_published_leaves_the_earlier_results(tmp_path):
         (folder / "b").write_bytes(b"new")
         publish(folder, tmp_path, is_finished=True)
     assert names(tmp_path) == ["a", "b"] and (tmp_path / "a").read_bytes() == b"old"
+
+
+STAGE = """
+import sys, time
+from pathlib import Path
+from mimetic.shared.results import staging
+with staging(Path(sys.argv[1])) as folder:
+    (folder / "half").write_text("half")
+    print(folder, flush=True)
+    time.sleep(60)
+"""
+
+
+def test_the_folder_of_a_killed_run_goes_with_the_next_and_of_one_at_work_stays(tmp_path):
+    child = subprocess.Popen([sys.executable, "-c", STAGE, tmp_path], stdout=subprocess.PIPE)
+    at_work = child.stdout.readline().decode().strip()
+    with staging(tmp_path) as folder:
+        assert {str(path) for path in tmp_path.iterdir()} == {at_work, str(folder)}
+    child.kill()
+    child.wait()
+    assert [str(path) for path in tmp_path.iterdir()] == [at_work]
+    with staging(tmp_path) as folder:
+        assert list(tmp_path.iterdir()) == [folder]
+    assert names(tmp_path) == []
 
 
 def test_a_full_disk_while_drawing_keeps_the_capture(tmp_path, clip, capfd):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import pytest
+from mimetic.shared.folder_lock import in_use, remove_left_over
 from mimetic.shared.whole_file import TEXTURES, file_with_textures, whole_file
 
 
@@ -47,3 +48,28 @@ def test_a_folder_that_is_gone_is_told_by_the_name_that_was_given(tmp_path):
     with pytest.raises(FileNotFoundError) as raised, whole_file(path):
         pass
     assert raised.value.filename == str(path)
+
+
+@pytest.mark.parametrize("beside", [whole_file, file_with_textures])
+def test_what_is_being_written_is_not_left_over(tmp_path, beside):
+    with beside(tmp_path / "face.glb") as at_work:
+        remove_left_over(tmp_path.iterdir())
+        if beside is whole_file:
+            at_work.write(b"whole")
+        else:
+            at_work.write_bytes(b"whole")
+    assert (tmp_path / "face.glb").read_bytes() == b"whole"
+    assert found(tmp_path) == ["face.glb"]
+
+
+def test_what_is_removed_before_it_is_locked_is_made_again(tmp_path):
+    names = iter(["taken for left over", "made again"])
+
+    def make():
+        path = tmp_path / next(names)
+        if path.name == "made again":
+            path.mkdir()
+        return str(path)
+
+    with in_use(make) as path:
+        assert path == str(tmp_path / "made again")

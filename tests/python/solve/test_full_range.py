@@ -168,8 +168,7 @@ def test_corrections_move_the_skin_alike_however_far_a_muscle_extentes(rendered_
         activations_std=usual.activations_std / extent,
         muscle_modes=usual.muscle_modes * extent[:, None, None],
         muscle_extent=extent,
-        evidence=usual.evidence
-        * evidence_factors(np.append(extent, np.ones(num_articulators))),
+        evidence=usual.evidence * evidence_factors(np.append(extent, np.ones(num_articulators))),
     )
     raised.save(tmp_path / "raised.npz")
     raised = Performance.load(tmp_path / "raised.npz")

@@ -203,12 +203,14 @@ def test_a_fit_for_another_size_is_refused(rendered_clip, fit, tmp_path):
         capture(clip, fit=fit)
 
 
-OUTSIDE = "it has frames 1 to"
-
-
 @pytest.mark.parametrize(
     ("frames", "reason"),
-    [((900, 910), OUTSIDE), ((5, 4), "5:4 of .*: the first is after the last"), ((0, 3), OUTSIDE)],
+    [
+        ((900, 910), "frames 900:910 of .*: it has frames 1 to 50"),
+        ((900, None), "frames 900: of .*: it has frames 1 to 50"),
+        ((5, 4), "5:4 of .*: the first is after the last"),
+        ((0, 3), "frames 0:3 of .*: it has frames 1 to 50"),
+    ],
 )
 def test_frames_outside_of_the_clip_are_refused(rendered_clip, frames, reason):
     with pytest.raises(InvalidInput, match=reason):
@@ -303,7 +305,10 @@ def test_a_fit_from_a_file_is_used(rendered_clip, fit, tmp_path):
     np.testing.assert_allclose(again.head_pose, fit.head_pose)
 
 
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.usefixtures("hangup_heard")
+@pytest.mark.parametrize(
+    ("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
+)
 def test_a_signal_keeps_the_finished_part(rendered_clip, fit, tmp_path, number, status):
     long = tmp_path / "long.mp4"
     ffmpeg("-stream_loop", "99", "-i", rendered_clip.footage, "-c", "copy", long)

@@ -50,8 +50,9 @@ struct HeadOptions {              // defaults suit 320x240 to 1280x720 at 10 to 
     double least_facing = 0.35;   ///< least cosine of normal and view at which skin is measured
     double held_quality = 0.2;    ///< below it a frame is held, 0 to 1
     FlowMethod flow_method = FlowMethod::probabilistic;
-    bool fast = false;   ///< registers samples of the skin; flow only where that is uncertain
-    void check() const;  ///< throws InvalidInput: field, value, limit
+    double frame_rate = 30;  ///< frames a second that are shown to the tracker, 1e-5 to 1e6
+    bool fast = false;       ///< registers samples of the skin; flow only where that is uncertain
+    void check() const;      ///< throws InvalidInput: field, value, limit
 };
 
 struct HeadEstimate {

@@ -117,7 +117,7 @@ def control_points(
     vertices = [vertex for _, vertex in places]
     in_video = 1000 * np.sqrt((comparison.displacements[:, vertices] ** 2).sum(axis=2)).T
     unit = 1000 * np.sqrt((comparison.by_unit[vertices] ** 2).sum(axis=1))
-    ramp = comparison.temporal.ramp / max(1e-9, float(comparison.temporal.ramp.max()))
+    ramp = comparison.ramp / max(1e-9, float(comparison.ramp.max()))
     return [name for name, _ in places], in_video, unit[:, None] * ramp
 
 

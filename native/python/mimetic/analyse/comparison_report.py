@@ -58,6 +58,8 @@ def write_comparison(
         f"{unit.name}, {unit.meaning}, beside event {event.number} of the {event.curve.name}, "
         f"frames {_frame(comparison, 0)} to {_frame(comparison, -1)}"
     )
+    if not comparison.is_onset_seen:
+        lead += f"; {onset_words(comparison)}"
     text = drawing.page(f"{name}: beside FACS", lead, _parts(comparison, pictures))
     with whole_file(folder / "report.html") as stream:
         stream.write(text.encode())
@@ -67,14 +69,25 @@ def _frame(comparison: Comparison, row: int) -> int:
     return int(comparison.performance.frame[comparison.rows[row]])
 
 
+def onset_words(comparison: Comparison) -> str:
+    """What an onset that is not seen means for the numbers."""
+    return (
+        "its onset is not seen, as it is there when its scene begins: displacements are from frame "
+        f"{_frame(comparison, comparison.rest)}, after its release"
+    )
+
+
 def summary_row(comparison: Comparison) -> dict[str, object]:
     spatial, temporal = comparison.spatial, comparison.temporal
+    is_seen = comparison.is_onset_seen
     return {
         "unit": comparison.unit.name,
         "event": comparison.event.number,
         "first_frame": _frame(comparison, 0),
         "peak_frame": _frame(comparison, comparison.peak),
         "last_frame": _frame(comparison, -1),
+        "begins_before_clip": not is_seen,
+        "rest_frame": _frame(comparison, comparison.rest),
         "intensity": spatial.intensity,
         "inside_r2": spatial.inside_explained,
         "outside_energy": spatial.outside_share,
@@ -82,8 +95,8 @@ def summary_row(comparison: Comparison) -> dict[str, object]:
         "outside_energy_far": spatial.outside_far_share,
         "motion_gini": spatial.gini,
         "rank_one_energy": temporal.rank_one_share,
-        "application_line_r2": temporal.ramp_explained,
-        "best_ramp_r2": temporal.ramp_whole_explained,
+        "application_line_r2": temporal.ramp_explained if is_seen else "",
+        "best_ramp_r2": temporal.ramp_whole_explained if is_seen else "",
     }
 
 
@@ -116,13 +129,12 @@ def _write_tables(comparison: Comparison, template: FaceTemplate, folder: Path) 
         ),
         ["frame", "point", "seen_mm", "unit_mm"],
     )
-    temporal = comparison.temporal
     write_table(
         folder / "course.csv",
         (
             {"frame": int(frame), "course": course, "best_ramp": ramp}
             for frame, course, ramp in zip(
-                frames, temporal.course.tolist(), temporal.ramp.tolist(), strict=True
+                frames, comparison.course.tolist(), comparison.ramp.tolist(), strict=True
             )
         ),
         ["frame", "course", "best_ramp"],
@@ -140,6 +152,7 @@ def _write_tables(comparison: Comparison, template: FaceTemplate, folder: Path) 
 
 
 def _parts(comparison: Comparison, pictures: dict[str, bytes]) -> Iterator[str]:
+    rest = f"the event's {'first' if comparison.is_onset_seen else 'last'} frame"
     yield drawing.table(["beside FACS", ""], _figures(comparison))
     for key, heading, caption in (
         ("neutral", "Neutral, FACS and video", "As the paper's Fig. 7, seen from the front."),
@@ -152,15 +165,15 @@ def _parts(comparison: Comparison, pictures: dict[str, bytes]) -> Iterator[str]:
         (
             "courses",
             "Control points over time",
-            "As the paper's Fig. 8: landmarks from brow to chin, millimetres from the event's "
-            "first frame.",
+            "As the paper's Fig. 8: landmarks from brow to chin, millimetres from where they are "
+            f"in {rest}.",
         ),
         ("groups", "Seven groups", "As the paper's Fig. 10, of the whole performance."),
         (
             "motion",
             "Motion fields",
-            "As the paper's Fig. 6, from the event's first frame to its peak: (a) optical flow, "
-            "followed frame by frame, (b) the captured surface's motion in the picture, head and "
+            f"As the paper's Fig. 6, from {rest} to its peak: (a) optical flow, followed "
+            "frame by frame, (b) the captured surface's motion in the picture, head and "
             "skin, (c) the skin's motion in space, in the head's own frame.",
         ),
     ):
@@ -189,6 +202,9 @@ def _parts(comparison: Comparison, pictures: dict[str, bytes]) -> Iterator[str]:
 
 def _figures(comparison: Comparison) -> list[list[str]]:
     spatial, temporal = comparison.spatial, comparison.temporal
+    line, ramp = f"{temporal.ramp_explained:.3f}", f"{temporal.ramp_whole_explained:.3f}"
+    if not comparison.is_onset_seen:
+        line = ramp = "onset not seen"
     return [
         ["intensity of the unit that explains most of its own region", f"{spatial.intensity:.2f}"],
         ["motion in that region that it explains, R²", f"{spatial.inside_explained:.2f}"],
@@ -199,11 +215,8 @@ def _figures(comparison: Comparison) -> list[list[str]]:
         ],
         ["  of what is beyond two standard deviations", _percent(spatial)],
         ["energy of one pattern times one curve (FACS: 100 %)", f"{temporal.rank_one_share:.1%}"],
-        ["application as a straight line, R² (FACS: 1)", f"{temporal.ramp_explained:.3f}"],
-        [
-            "all of it as straight up, hold, straight down, R²",
-            f"{temporal.ramp_whole_explained:.3f}",
-        ],
+        ["application as a straight line, R² (FACS: 1)", line],
+        ["all of it as straight up, hold, straight down, R²", ramp],
     ]
 
 

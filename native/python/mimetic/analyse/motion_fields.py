@@ -15,6 +15,7 @@ from mimetic import InvalidInput, _core
 from mimetic.analyse.comparison import Comparison
 from mimetic.analyse.comparison_figures import HIGHEST, LOWEST, draw_head
 from mimetic.analyse.drawing import INK, new_figure
+from mimetic.media.backward import frames_away
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.score.luminance import GREY
@@ -31,13 +32,13 @@ MARGIN = 0.15  # of the face's size, about it in the pictures
 
 @dataclass(frozen=True)
 class MotionFields:
-    """Motion of P points of the skin from an event's first frame to its peak."""
+    """Motion of P points of the skin from an event's frame at rest to its peak."""
 
-    image: NDArray[np.uint8]  # H x W x 3, the first frame
-    first: int  # frame numbers
+    image: NDArray[np.uint8]  # H x W x 3, the frame at rest
+    rest: int  # frame numbers; the peak's may be the lower one
     peak: int
     vertices: NDArray[np.int64]  # P
-    pixels: NDArray[np.float64]  # P x 2, in the first frame
+    pixels: NDArray[np.float64]  # P x 2, in the frame at rest
     flow: NDArray[np.float64]  # P x 2, pixels, frame by frame along the optical flow
     of_surface: NDArray[np.float64]  # P x 2, pixels, as the performance has it, head and skin
     in_space: NDArray[np.float64]  # P x 3, metres, head frame: of the skin alone
@@ -51,27 +52,30 @@ def motion_fields(comparison: Comparison, template: FaceTemplate, footage: Foota
             f"--footage has pictures of {footage.size[0]} x {footage.size[1]}, the performance of "
             "{} x {}: give the clip that was captured".format(*performance.image_size)
         )
-    first, peak = int(rows[0]), int(rows[comparison.peak])
-    vertices = _feet(performance, first, template, comparison.areas > 0)
+    rest, peak = int(rows[comparison.rest]), int(rows[comparison.peak])
+    vertices = _feet(performance, rest, template, comparison.areas > 0)
     start, end = (
-        performance.project(performance.surface_in_camera(i)[vertices]) for i in (first, peak)
+        performance.project(performance.surface_in_camera(i)[vertices]) for i in (rest, peak)
     )
-    images = _images(footage, int(performance.frame[first]), int(performance.frame[peak]))
+    images = _images(footage, int(performance.frame[rest]), int(performance.frame[peak]))
     image = next(images)
     return MotionFields(
-        *(image, int(performance.frame[first]), int(performance.frame[peak]), vertices, start),
+        *(image, int(performance.frame[rest]), int(performance.frame[peak]), vertices, start),
         _followed(image, images, start) - start,
         end - start,
         comparison.seen[vertices],
     )
 
 
-def _images(footage: Footage, first: int, last: int) -> Iterator[NDArray[np.uint8]]:
+def _images(footage: Footage, rest: int, peak: int) -> Iterator[NDArray[np.uint8]]:
+    """From one frame to the other, whichever comes first."""
+    step = 1 if peak >= rest else -1
     numbers = []
-    for number, image in footage.frames(first, last):
+    for number, image in frames_away(footage, rest - step, peak):
         numbers.append(number)
         yield image
-    if numbers != list(range(first, last + 1)):
+    if numbers != list(range(rest, peak + step, step)):
+        last = max(rest, peak)
         raise InvalidInput(f"--footage ends before frame {last}: give the clip that was captured")
 
 

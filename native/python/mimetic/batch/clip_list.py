@@ -7,7 +7,7 @@ import csv
 import io
 import os
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
@@ -20,8 +20,10 @@ from mimetic.media.image_sequence import (
     picture_before,
     sequences_in,
 )
+from mimetic.shared.json_file import LONE_SURROGATE
 from mimetic.shared.pinhole import FULL_FRAME_MM
 from mimetic.shared.regular_file import check_input
+from mimetic.shared.results import OF_A_CLIP, PERFORMANCE, UNFINISHED
 from mimetic.shared.shown_text import shortened
 
 COLUMNS = ("clip", "fit", "character", "range", "person", "fps", "focal", "sensor")
@@ -100,10 +102,17 @@ def _in_folder(folder: Path, usual: Row) -> Iterator[Row]:
 
 
 def _is_result(path: Path, folder: Path) -> bool:
-    """Whether a batch has written it, or it lies in a hidden folder."""
+    """Whether a batch or a capture has written it, or it lies in a hidden folder."""
     between = [parent for parent in path.parents if folder in (parent, *parent.parents)]
     is_hidden = any(parent.name.startswith(".") for parent in between if parent != folder)
-    return is_hidden or any((parent / MARK).exists() for parent in between)
+    return is_hidden or _is_of_capture(path) or any((parent / MARK).exists() for parent in between)
+
+
+def _is_of_capture(path: Path) -> bool:
+    folders = [path.parent]
+    if path.parent.name.startswith(UNFINISHED):
+        folders.append(path.parent.parent)
+    return path.name in OF_A_CLIP and any((one / PERFORMANCE).exists() for one in folders)
 
 
 def _in_table(path: Path, usual: Row) -> Iterator[Row]:
@@ -177,28 +186,31 @@ def _checked(row: Row) -> Row:
 
 
 def _problem_of(row: Row) -> str:
+    if not all(map(is_text, astuple(row))):
+        return "its name is no text (not UTF-8): rename it"
     rig, _, name = row.character.rpartition(":")
     if row.character and not (name and rig.endswith(".blend")):
         return f"character {row.character}: give it as RIG.blend:OBJECT"
     files = [(row.fit, "a face fit"), (rig, "the .blend of a rig")]
     try:
-        row.clip.encode()  # the documents are UTF-8
         if is_sequence(row.clip):
             ImageSequence(row.clip, _rate(row.fps))
         else:
             files.insert(0, (row.clip, "a video file"))
         for path, what in files:
             if path:
-                path.encode()
                 check_input(path, what)
         if row.frames:
             parse_range(row.frames)
         check_lens(row)
-    except UnicodeEncodeError:
-        return "its name is no text (not UTF-8): rename it"
     except (InvalidInput, UnreadableMedia) as error:
         return str(error)
     return ""
+
+
+def is_text(name: str) -> bool:
+    """Whether it can be in the documents, which are UTF-8; names of files can be anything."""
+    return not LONE_SURROGATE.search(name)
 
 
 def _rate(text: str) -> float | None:

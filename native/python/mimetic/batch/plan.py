@@ -7,17 +7,17 @@ import itertools
 import os
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.batch.clip_list import MARK, Row
+from mimetic.batch.clip_list import MARK, Row, is_text
 from mimetic.batch.person import FOLDER, prepare_people
 from mimetic.batch.steps import Settings
 from mimetic.batch.task import Task
 from mimetic.media.image_sequence import is_sequence, opened
 from mimetic.shared.json_file import read_json, write_json
-from mimetic.shared.shown_text import UNSAFE
+from mimetic.shared.shown_text import UNSAFE, shown
 
 PLAN = "batch.json"
 PAGE = "index.html"
@@ -57,8 +57,9 @@ def prepare(out: Path, rows: Sequence[Row], settings: Settings) -> Batch:
     prepare_people(out, rows)
     folders, left = _known_folders(out)
     for row in rows:
-        if row.problem and not Path(row.clip).is_file():
-            batch.problems.append(row)
+        if row.problem and not (Path(row.clip).is_file() and all(map(is_text, astuple(row)))):
+            # For a name that is no text there is no task.json that could be read again
+            batch.problems.append(Row(_as_text(row.clip), problem=_as_text(row.problem)))
             continue
         before = folders.get(row.identity)  # of rows that differ by their fit alone there are more
         name = before.pop(0) if before else _left_name(out, row, settings, left)
@@ -110,6 +111,10 @@ def _check_asked(task: Task, before: Task) -> None:
             "another batch in this folder has asked for other settings of this clip since: start "
             "this one again, or leave it to the other"
         )
+
+
+def _as_text(name: str) -> str:
+    return name if is_text(name) else shown(name)
 
 
 def _known_folders(out: Path) -> tuple[dict[tuple[str, str, str], list[str]], list[Task]]:

@@ -12,7 +12,6 @@ import contextlib
 import filecmp
 import itertools
 import os
-import shutil
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -25,7 +24,7 @@ from mimetic.batch.person import Person, folder_of
 from mimetic.batch.steps import BAKES, Settings, Step, steps_of
 from mimetic.batch.take_summary import is_summary, summarise
 from mimetic.media.clip_fingerprint import fingerprint
-from mimetic.shared.folder_lock import alone_with
+from mimetic.shared.folder_lock import alone_with, remove_left_over
 from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import shortened
 from mimetic.shared.whole_file import HIDDEN
@@ -182,7 +181,7 @@ def run_task(folder: Path, run_command: RunCommand, only: Sequence[str] = ()) ->
     lock.touch()
     with alone_with(lock):
         task = Task.load(folder)
-        _remove_left_over(folder)
+        remove_left_over(folder.glob(f"{HIDDEN}*"))
         try:
             status, message = _run_steps(task, run_command, only)
         except (InvalidInput, UnreadableMedia) as error:
@@ -282,12 +281,3 @@ def _are_of(folder: Path, files: Mapping[str, str], names: Iterable[str]) -> boo
         (folder / name).is_file() and files.get(name) == fingerprint(folder / name)
         for name in names
     )
-
-
-def _remove_left_over(folder: Path) -> None:
-    """Removes what a process that was killed had not finished."""
-    for path in folder.glob(f"{HIDDEN}*"):
-        if path.is_dir():
-            shutil.rmtree(path, ignore_errors=True)
-        else:
-            path.unlink(missing_ok=True)

@@ -68,7 +68,7 @@ def run_calibrate(arguments: argparse.Namespace) -> int:
 
 
 def described(result: CalibrationResult) -> str:
-    """The result as text: a line for each factor with the range of one standard deviation."""
+    """The result as text: a line for each factor with its range of one standard deviation."""
     calibration = result.calibration
     lines = ["attachment of the skin to the bone, times what is assumed"]
     lines += [
@@ -77,7 +77,8 @@ def described(result: CalibrationResult) -> str:
     if calibration.insertion:
         lines.append("insertions, millimetres away from the midline and up from where assumed")
         lines += [
-            f"  {name:34} {x:+.1f}  {y:+.1f}" for name, (x, y) in calibration.insertion.items()
+            f"  {name:34} {_shifts(place, result.insertion_std[name])}"
+            for name, place in calibration.insertion.items()
         ]
     if calibration.strength:
         lines.append("strength of the muscles that were seen at work, times what is assumed")
@@ -94,3 +95,12 @@ def _line(name: str, factor: float | None, std: float) -> str:
         return f"  {name:34} 1     not seen well enough"
     low, high = (factor * math.exp(sign * std) for sign in (-1, 1))
     return f"  {name:34} {factor:.2f}  {low:.2f} to {high:.2f}"
+
+
+def _shifts(place: tuple[float, float], stds: tuple[float, float]) -> str:
+    """Away from the midline, and up; 0 to the last digit is what the footage does not inform."""
+    words = [
+        f"{mm:+.1f}  {mm - std:+.1f} to {mm + std:+.1f}" if mm else "0  not seen well enough"
+        for mm, std in zip(place, stds, strict=True)
+    ]
+    return "".join(f"{one:26}" for one in words).rstrip()

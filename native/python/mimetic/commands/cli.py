@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line: `mimetic COMMAND ...`.
 
-Exit status: 0 done, 1 failed, 2 bad input, 130 ended by Ctrl-C, 143 by SIGTERM.
+Exit status: 0 done, 1 failed, 2 bad input, 129 ended by SIGHUP (the terminal was closed), 130 by
+Ctrl-C, 143 by SIGTERM.
 """
 
 from __future__ import annotations

@@ -8,7 +8,12 @@ from pathlib import Path
 
 from mimetic import InvalidInput
 from mimetic.analyse.comparison import compare
-from mimetic.analyse.comparison_report import FILES, MOTION_FILES, write_comparison
+from mimetic.analyse.comparison_report import (
+    FILES,
+    MOTION_FILES,
+    onset_words,
+    write_comparison,
+)
 from mimetic.analyse.motion_fields import motion_fields
 from mimetic.analyse.timing import analyse_timing
 from mimetic.commands.bake import check_footage
@@ -80,6 +85,8 @@ def run_compare(arguments: argparse.Namespace) -> int:
         f"{spatial.inside_explained:.2f} of its region; {100 * spatial.outside_share:.0f} % of the "
         f"energy is outside; one pattern has {100 * temporal.rank_one_share:.1f} %"
     )
+    if not comparison.is_onset_seen:
+        print(f"{out}: {onset_words(comparison)}")
     return 0
 
 

@@ -4,7 +4,10 @@
 from __future__ import annotations
 
 import argparse
+import itertools
+import os
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 from mimetic import InvalidInput
@@ -13,10 +16,13 @@ from mimetic.commands.on_clip import parse_frames
 from mimetic.media.footage import Footage
 from mimetic.performance.corrections import load_corrections
 from mimetic.performance.document import Performance
+from mimetic.shared.folder_lock import alone_with
 from mimetic.shared.interrupts import listen_for_interrupt
 from mimetic.shared.regular_file import check_target
 from mimetic.solve.refined_spans import DIRECTIONS
 from mimetic.solve.refining import refined
+
+FAILED = 1  # exit status where another has the file's place
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -54,6 +60,7 @@ def run_refine(arguments: argparse.Namespace) -> int:
     out = arguments.out or arguments.performance
     check_target(out, arguments.footage, arguments.corrections)
     corrections = load_corrections(arguments.corrections)
+    state = _state(out)
     performance = Performance.load(arguments.performance)
     footage = Footage(arguments.footage)
     if not performance.is_of(footage.identity[1]):
@@ -61,19 +68,49 @@ def run_refine(arguments: argparse.Namespace) -> int:
             f"{arguments.performance} was captured from {(performance.footage or ['?'])[0]}, "
             f"not from {footage.path.name}"
         )
-    with Console() as console, listen_for_interrupt() as interrupt:
+    with Console() as console:
+        with listen_for_interrupt("nothing is changed") as interrupt:
 
-        def show(fraction: float, text: str) -> bool:
-            console.show(fraction, text)
-            return not interrupt()
+            def show(fraction: float, text: str) -> bool:
+                console.show(fraction, text)
+                return not interrupt()
 
-        start = time.perf_counter()
-        result = refined(performance, corrections, arguments.range, arguments.direction, show)
-        seconds = time.perf_counter() - start
+            start = time.perf_counter()
+            result = refined(performance, corrections, arguments.range, arguments.direction, show)
+            seconds = time.perf_counter() - start
         if interrupt():
-            console.tell(f"stopped: {out} is as it was")
             return interrupt.status
-        result.save(out)
+        saved = _save(result, out, state)  # a signal ends it, and what was said stays true
         console.show(1.0, "done")
-        console.tell(f"{out}: {len(corrections)} frames corrected, solved in {seconds:.1f} s")
+        console.tell(f"{saved}: {len(corrections)} frames corrected, solved in {seconds:.1f} s")
+        if saved != out:
+            console.tell(
+                f"{out} was replaced while this was solved, and stays as it is: refine it again, "
+                f"or put {saved.name} in its place"
+            )
+            return FAILED
     return 0
+
+
+def _save(performance: Performance, out: Path, state: tuple[int, ...]) -> Path:
+    """Saves at `out`, or beside what another has put there since; returns where. Raises OSError."""
+    with alone_with(Path(os.path.realpath(out)).parent):  # others publish in the same folder
+        if _state(out) not in ((), state):
+            out = next(path for path in _beside(out) if not os.path.lexists(path))
+        performance.save(out)
+    return out
+
+
+def _state(path: Path) -> tuple[int, ...]:
+    """What another program that writes a file changes; () where there is none."""
+    try:
+        found = os.stat(path)
+    except FileNotFoundError:
+        return ()
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
+def _beside(out: Path) -> Iterator[Path]:
+    for number in itertools.count(1):
+        ending = "refined" if number == 1 else f"refined-{number}"
+        yield out.with_name(f"{out.stem}.{ending}{out.suffix}")

@@ -46,7 +46,8 @@ MOVING_PARTS = (
 SMOOTHING = 1.0  # standard deviations as they are
 PASS_COST = 0.3  # of a frame, beside following the face in it (`mimetic.shared.progress`)
 NUM_PASSES = 2  # over the clip: the second with the shape that the first one found
-UNSEEN_COV = np.diag([1e-3] * 3 + [1e-4] * 3)  # rad^2, m^2: of a head that is not seen for a frame
+# rad^2, m^2: what a head may turn and move by in a second in which it is not seen; as the tracker's
+UNSEEN_COV = np.diag([0.03] * 3 + [3e-3] * 3)
 NECK_BELOW, NECK_RADIUS = 0.05, 0.04  # metres
 
 
@@ -113,6 +114,7 @@ def track_head(
     )
     fit = fit_for(footage, (first, last), fit, finding, summary, lens)
     options = follow_options(fast, flow_alone)
+    options.frame_rate = float(footage.fps)
     motion = _HeadMotion(footage, fit, model, (first, last), following, summary, options).run()
     return replace(motion, head_pose=smoothed(motion, smoothing).head_pose)
 
@@ -176,13 +178,30 @@ class _HeadMotion:
         at_reference = tracker.advance(reference, fit.head_pose)
         backward, forward = Rows(), Rows()
         if fit.frame > first:
-            _append(backward, proved(self._follow(tracker, first, reference)), at_reference)
+            behind = proved(self._follow(tracker, first, reference))
+            self._append(backward, behind, at_reference)
             tracker.restart(reference, at_reference)
         ahead: Iterable[Seen] = ()
         if last > fit.frame:
             ahead = proved(self._follow(tracker, last, reference))
-        _append(forward, itertools.chain([(fit.frame, at_reference)], ahead), at_reference)
+        self._append(forward, itertools.chain([(fit.frame, at_reference)], ahead), at_reference)
         return (backward.reversed() + forward).within(first, last)
+
+    def _append(self, rows: Rows, estimates: Iterable[Seen], good: _core.HeadEstimate) -> None:
+        """Rows of the frames; good: that of the fit's frame.
+
+        A held frame has the last good one's pose, and a covariance that grows with the time since.
+        """
+        time_of, seen_in = self.walk.footage.time_of, self.walk.fit.frame
+        for frame, estimate in estimates:
+            is_held = estimate is None or estimate.held
+            if estimate is not None and not estimate.held:
+                good, seen_in = estimate, frame
+            unseen = abs(time_of(frame) - time_of(seen_in))
+            rows.frame.append(frame)
+            rows.pose.append(np.asarray(good.camera_from_head))
+            rows.pose_cov.append(np.asarray(good.covariance) + unseen * UNSEEN_COV)
+            rows.quality.append(0.0 if is_held else good.quality)
 
     def _follow(self, tracker: _core.HeadTracker, end: int, reference: Image) -> Iterator[Seen]:
         """Frame by frame, until the images end or the user stops."""
@@ -206,16 +225,3 @@ class _HeadMotion:
                 rows, [f"{HEAD_ALONE}, by the {self.model}: muscles were not measured"]
             ),
         )
-
-
-def _append(rows: Rows, estimates: Iterable[Seen], good: _core.HeadEstimate) -> None:
-    """Rows of the frames; a held frame has the last good one's pose."""
-    for frame, estimate in estimates:
-        is_held = estimate is None or estimate.held
-        if estimate is not None and not estimate.held:
-            good = estimate
-        rows.frame.append(frame)
-        rows.pose.append(np.asarray(good.camera_from_head))
-        wider_cov = np.asarray(good.covariance) + UNSEEN_COV
-        rows.pose_cov.append(wider_cov if estimate is None else np.asarray(estimate.covariance))
-        rows.quality.append(0.0 if is_held else good.quality)

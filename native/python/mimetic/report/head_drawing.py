@@ -47,12 +47,13 @@ def write_motion_plot(performance: Performance, path: str | os.PathLike[str]) ->
     """
     from matplotlib.figure import Figure
 
-    from mimetic.report.plots import head_angles, shade_held
+    from mimetic.report.plots import head_angle_stds, head_angles, shade_held
 
     path = Path(path)
-    std = np.sqrt(np.clip(np.diagonal(performance.head_pose_cov, axis1=1, axis2=2), 0, None))
+    shift_cov = np.diagonal(performance.head_pose_cov[:, 3:, 3:], axis1=1, axis2=2)
+    shift_stds = np.sqrt(np.clip(shift_cov, 0, None))
     values = np.hstack([head_angles(performance), 1000 * performance.head_pose[:, :3, 3]])
-    spreads = np.hstack([np.degrees(std[:, :3]), 1000 * std[:, 3:]])
+    spreads = np.hstack([head_angle_stds(performance), 1000 * shift_stds])
     names = (
         *("pitch, degrees", "yaw, degrees", "roll, degrees"),
         *("x, right, mm", "y, down, mm", "z, away, mm"),

@@ -145,9 +145,9 @@ def _head_figure(performance: Performance) -> Figure:
     quality.fill_between(frame, performance.quality, color="#1b7f79", alpha=0.35, linewidth=0)
     quality.axhline(HELD_QUALITY, color="#d1495b", linewidth=0.8, linestyle=":")
     quality.set(ylabel="quality", ylim=(0, 1.03))
-    angles = head_angles(performance)
+    angles, angle_stds = head_angles(performance), head_angle_stds(performance)
     for k, name in enumerate(("pitch", "yaw", "roll")):
-        _draw(turn, frame, angles[:, k], np.degrees(std[:, k]), COLOURS[k], name)
+        _draw(turn, frame, angles[:, k], angle_stds[:, k], COLOURS[k], name)
     turn.set_ylabel("rotation, degrees")
     where = 1000 * (performance.head_pose[:, :3, 3] - performance.head_pose[:1, :3, 3])
     for k, name in enumerate(("x, right", "y, down", "z, away")):
@@ -171,6 +171,26 @@ def head_angles(performance: Performance) -> NDArray[np.float64]:
     pitch = np.arctan2(r[:, 2, 1], r[:, 2, 2])
     roll = np.arctan2(r[:, 1, 0], r[:, 0, 0])
     return np.degrees(np.stack([pitch, yaw, roll], axis=1))
+
+
+def head_angle_stds(performance: Performance) -> NDArray[np.float64]:
+    """N x 3: standard deviations of `head_angles`, degrees, 180 at most.
+
+    The pose's covariance C is of a rotation vector about the camera's axes, about which these
+    angles are not: J C J', with J the derivatives of the angles by that vector.
+    """
+    _, yaw, roll = np.radians(head_angles(performance)).T
+    c, s = np.cos(roll), np.sin(roll)
+    cosine = np.maximum(1e-6, np.cos(yaw))  # 0 where pitch and roll are about one axis
+    none, one = np.zeros_like(yaw), np.ones_like(yaw)
+    rows = (
+        [c / cosine, s / cosine, none],
+        [s, -c, none],
+        [-c * np.sin(yaw) / cosine, -s * np.sin(yaw) / cosine, one],
+    )
+    jacobian = np.array(rows).transpose(2, 0, 1)
+    variances = (jacobian @ performance.head_pose_cov[:, :3, :3] * jacobian).sum(axis=2)
+    return np.minimum(180, np.degrees(np.sqrt(np.clip(variances, 0, None))))
 
 
 def _figure(rows: int, cols: int, height: float) -> tuple[Figure, np.ndarray]:

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ctrl-C and SIGTERM: a command ends cleanly on either, and its exit status says on which.
+"""Ctrl-C, SIGTERM and SIGHUP, of a terminal that is closed: a command ends cleanly on each, and its
+exit status says on which. One that is ignored when the process starts (Ctrl-C by a job that a
+script runs in the background, SIGHUP by nohup) stays so.
 
 Nothing is imported here that takes time: signals are handled from a process's first moments.
 """
@@ -10,10 +12,11 @@ import contextlib
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from types import FrameType
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+HANGUP = getattr(signal, "SIGHUP", None)  # Windows has none
+SIGNALS = (signal.SIGINT, signal.SIGTERM, *([HANGUP] if HANGUP else []))
 
 
 class Ended(KeyboardInterrupt):
@@ -39,7 +42,7 @@ class Interrupt:
 
 
 def exit_status(number: int) -> int:
-    """As shells have it: 130 for Ctrl-C, 143 for SIGTERM."""
+    """As shells have it: 129 for SIGHUP, 130 for Ctrl-C, 143 for SIGTERM."""
     return 128 + number
 
 
@@ -53,9 +56,8 @@ def exit_on_signals() -> None:
         _tell("mimetic: stopped\n")
         os._exit(exit_status(number))
 
-    for number in SIGNALS:
-        if signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, leave)
+    for number in _heard():
+        signal.signal(number, leave)
     if hasattr(signal, "pthread_sigmask"):  # scripts/mimetic holds them back while Python starts
         signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
 
@@ -69,12 +71,15 @@ def ignore_signals() -> None:
 @contextlib.contextmanager
 def signals_raised() -> Iterator[None]:
     """Signals raise Ended in the block, so that everything on the way out is cleaned up."""
+    interrupt = Interrupt()
 
     def end(number: int, _frame: FrameType | None) -> None:
+        if interrupt() and number == HANGUP:
+            return  # see `listen_for_interrupt`
+        interrupt.number = number
         raise Ended(number)
 
-    numbers = [number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
-    with _handled(numbers, end):
+    with _handled(end):
         yield
 
 
@@ -82,18 +87,22 @@ def signals_raised() -> Iterator[None]:
 def listen_for_interrupt(outcome: str = "keeping what is done") -> Iterator[Interrupt]:
     """The first signal asks to finish what is begun, the second ends at once.
 
-    outcome: what becomes of the work, for the message to the user.
+    A SIGHUP is no second one: a terminal that closes sends it, and its shell once more, and systems
+    send it after SIGTERM; nobody insists. outcome: what becomes of the work, for the message to the
+    user.
     """
     interrupt = Interrupt()
 
     def ask(number: int, _frame: FrameType | None) -> None:
+        if interrupt() and number == HANGUP:
+            return
         if interrupt():
             raise Ended(number)
         interrupt.number = number
-        name = "Ctrl-C" if number == signal.SIGINT else "SIGTERM"
-        _tell(f"\nstopping: {outcome} ({name} again ends at once)\n")
+        names: dict[int, str] = {signal.SIGINT: "Ctrl-C again", signal.SIGTERM: "SIGTERM again"}
+        _tell(f"\nstopping: {outcome} ({names.get(number, 'SIGTERM')} ends at once)\n")
 
-    with _handled(SIGNALS, ask):
+    with _handled(ask):
         try:
             yield interrupt
         except KeyboardInterrupt as request:
@@ -108,14 +117,17 @@ def _tell(text: str) -> None:
         os.write(2, text.encode())
 
 
+def _heard() -> list[signal.Signals]:
+    """Those that nobody wants to be ignored."""
+    return [number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+
+
 @contextlib.contextmanager
-def _handled(
-    numbers: Iterable[signal.Signals], handler: Callable[[int, FrameType | None], None]
-) -> Iterator[None]:
+def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():  # no other may handle signals
         yield
         return
-    before = {number: signal.signal(number, handler) for number in numbers}
+    before = {number: signal.signal(number, handler) for number in _heard()}
     try:
         yield
     finally:

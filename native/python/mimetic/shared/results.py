@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.shared.folder_lock import alone_with
+from mimetic.shared.folder_lock import alone_with, in_use, remove_left_over
 from mimetic.shared.regular_file import check_folder, check_replaceable, kind_of
 from mimetic.shared.whole_file import HIDDEN
 
@@ -50,16 +50,21 @@ def prepare_folder(out: Path, names: Iterable[str], *inputs: str | os.PathLike[s
 
 @contextlib.contextmanager
 def staging(out: Path) -> Iterator[Path]:
-    """A hidden folder in `out` for one run's files until they are published; then it is gone."""
-    folder = Path(tempfile.mkdtemp(dir=out, prefix=HIDDEN))
-    try:
-        yield folder
-    except OSError as error:
-        if error.filename and Path(error.filename).parent == folder:
-            error.filename = str(out / Path(error.filename).name)
-        raise
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+    """A hidden folder in `out` for one run's files until they are published; then it is gone.
+
+    Such folders of processes that were killed go first.
+    """
+    remove_left_over(path for path in out.glob(f"{HIDDEN}*") if path.is_dir())
+    with in_use(lambda: tempfile.mkdtemp(dir=out, prefix=HIDDEN)) as name:
+        folder = Path(name)
+        try:
+            yield folder
+        except OSError as error:
+            if error.filename and Path(error.filename).parent == folder:
+                error.filename = str(out / Path(error.filename).name)
+            raise
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def publish(folder: Path, out: Path, is_finished: bool) -> Path:

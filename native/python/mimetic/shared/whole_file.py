@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
+from mimetic.shared.folder_lock import in_use
 from mimetic.shared.regular_file import check_replaceable
 
 HIDDEN = ".mimetic-"  # how the names of files begin that are not done yet
@@ -38,24 +40,28 @@ def file_beside(path: str | os.PathLike[str], suffix: str) -> Iterator[Path]:
     target = Path(os.path.realpath(path))
     check_replaceable(target, str(path))
     begin = str(target.parent / HIDDEN)  # of what is made here, or could not be
-    name = None
-    try:
+
+    def make() -> str:
         # A name of its own: two writers of one file each end well
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=HIDDEN, suffix=suffix)
         os.close(handle)
-        aside = Path(name)
-        yield aside
-        if aside.exists():
-            aside.chmod(0o644)
-            os.replace(aside, target)
+        return name
+
+    try:
+        with in_use(make) as name:
+            aside = Path(name)
+            try:
+                yield aside
+                if aside.exists():
+                    aside.chmod(0o644)
+                    os.replace(aside, target)
+            finally:
+                with contextlib.suppress(OSError):
+                    aside.unlink()
     except OSError as error:
         if error.errno is not None and str(error.filename or begin).startswith(begin):
             raise OSError(error.errno, error.strerror, str(path)) from error
         raise
-    finally:
-        if name:
-            with contextlib.suppress(OSError):
-                os.unlink(name)
 
 
 @contextlib.contextmanager
@@ -69,15 +75,16 @@ def file_with_textures(path: str | os.PathLike[str]) -> Iterator[Path]:
     check_replaceable(target, str(path))
     begin = str(target.parent / HIDDEN)  # of what is made here
     try:
-        with tempfile.TemporaryDirectory(
-            prefix=HIDDEN, dir=target.parent, ignore_cleanup_errors=True
-        ) as folder:
+        with in_use(lambda: tempfile.mkdtemp(prefix=HIDDEN, dir=target.parent)) as folder:
             aside = Path(folder, target.name)
-            yield aside
-            if aside.exists():
-                aside.chmod(0o644)
-                _replace_textures(aside, target)
-                os.replace(aside, target)
+            try:
+                yield aside
+                if aside.exists():
+                    aside.chmod(0o644)
+                    _replace_textures(aside, target)
+                    os.replace(aside, target)
+            finally:
+                shutil.rmtree(folder, ignore_errors=True)
     except OSError as error:
         if error.errno is not None and str(error.filename or begin).startswith(begin):
             raise OSError(error.errno, error.strerror, str(path)) from error

@@ -42,12 +42,14 @@ class CalibrationResult:
     """A calibration with what supports it.
 
     stiffness_std, strength_std: of the logarithms, by name, of every factor that was asked for;
-    gain: of the logarithm of the evidence, priors included, over all factors at 1.
+    insertion_std: millimetres outwards and up, of the muscles of strength_std; gain: of the
+    logarithm of the evidence, priors included, over all factors at 1.
     """
 
     calibration: Calibration
     stiffness_std: dict[str, float]
     strength_std: dict[str, float]
+    insertion_std: dict[str, tuple[float, float]]
     gain: float
 
 
@@ -194,11 +196,12 @@ def _result(
     is_informed = peak.std < UNINFORMED * factors.prior
     place = np.where(is_informed, peak.place, 0.0)
     calibration = factors.calibration(place, [one.frame for one in selection], is_informed)
-    stiffness, strength, _ = factors.split(peak.std)
+    stiffness, strength, shifts = factors.split(peak.std)
     muscles = [factors.names[i] for i in factors.core.strong]
     return CalibrationResult(
         calibration,
         dict(zip(REGIONS, stiffness.tolist(), strict=True)),
         dict(zip(muscles, strength.tolist(), strict=True)),
+        {name: (x, y) for name, x, y in zip(muscles, *shifts.tolist(), strict=True)},
         peak.height - first,
     )

@@ -156,8 +156,9 @@ def check_range(frames: FrameRange | None, footage: Footage) -> tuple[int, int]:
             f"frames {frames[0]}:{frames[1]} of {footage.path.name}: the first is after the last"
         )
     if first < 1 or first > last:
+        begin, end = ("" if end is None else end for end in frames or (first, last))
         raise InvalidInput(
-            f"frames {first}:{last} of {footage.path.name}: it has frames 1 to {footage.num_frames}"
+            f"frames {begin}:{end} of {footage.path.name}: it has frames 1 to {footage.num_frames}"
         )
     return first, last
 
