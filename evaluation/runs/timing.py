@@ -10,8 +10,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from mimetic import _core
-from mimetic.analyse.timing import Timing, analyse_timing
+from mimetic.analyse.timing import Event, Timing, analyse_timing
+from mimetic.performance.document import Performance
 from mimetic.score.json_text import json_text
 from mimetic.score.truth import Truth
 from mimetic.template.face_template import load_template
@@ -46,6 +46,9 @@ class GroupEvent:
     model: str = ""
     # of the middle of the application, at half its height: what delays depend on
     half_error: float = math.nan
+    amplitude: float = math.nan  # true, of the mean of the group's muscles
+    amplitude_error: float = math.nan
+    amplitude_held: bool = False
 
 
 @dataclass(frozen=True)
@@ -84,8 +87,8 @@ def score_timing(
     kept = KeptCaptures(out, folder, report)
     template = load_template()
     for clip, timing in _analysed(which, kept):
-        _score_clip(clip, timing, scores)
         truth = Truth.load(timing_clip(clip.recipe, template, report).truth)
+        _score_clip(clip, timing, truth, scores)
         scores.outside += outside_shares(clip.recipe.name, timing, truth, template)
     scores.units = score_units(which, kept)
     return scores
@@ -99,17 +102,20 @@ def _analysed(which: str, kept: KeptCaptures) -> Iterator[tuple[TimedClip, Timin
         yield clip, analyse_timing(performance, kinds=("group",))
 
 
-def _score_clip(clip: TimedClip, timing: Timing, scores: TimingScores) -> None:
+def _score_clip(clip: TimedClip, timing: Timing, truth: Truth, scores: TimingScores) -> None:
     for expression, groups in GROUPS.items():
         truths = [_truth_of(clip, expression, part) for part in (0, 1)]
         events = [
-            _nearest(timing, group, truth or truths[0])
-            for group, truth in zip(groups, truths, strict=True)
+            _nearest(timing, group, firing or truths[0])
+            for group, firing in zip(groups, truths, strict=True)
         ]
         name = clip.recipe.name
-        for group, truth, event in zip(groups, truths, events, strict=True):
-            if truth is not None:
-                scores.groups.append(_group_event(clip, expression, group, truth, event))
+        for group, firing, event in zip(groups, truths, events, strict=True):
+            if firing is not None:
+                amplitude = _true_amplitude(truth, timing.performance, group, firing)
+                scores.groups.append(
+                    _group_event(clip, expression, group, firing, event, amplitude)
+                )
         if truths[1] is None:
             scores.silent_chances += 1
             scores.silent_events += events[1] is not None
@@ -118,7 +124,7 @@ def _score_clip(clip: TimedClip, timing: Timing, scores: TimingScores) -> None:
                 pair.delay
                 for pair in timing.delays
                 if {pair.leader.curve.group, pair.follower.curve.group} == set(groups)
-                and any(pair.leader.fit is e or pair.follower.fit is e for e in events if e)
+                and any(pair.leader is e or pair.follower is e for e in events if e)
                 and abs(_mean_onset(pair) - _onset(truths[0])) < NEAR
             ),
             None,
@@ -142,22 +148,38 @@ def _onset(truth: Firing) -> float:
     return 1 + 30 * truth.start
 
 
-def _nearest(timing: Timing, group: int, truth: Firing) -> _core.PhaseFit | None:
+def _true_amplitude(truth: Truth, performance: Performance, group: int, firing: Firing) -> float:
+    """Of the mean of a group's muscles, in the performance's unit, while they fire."""
+    columns = [truth.muscles.index(name) for name in performance.muscles]
+    extent = performance.muscle_extent
+    values = truth.activations[:, columns] / (1 if extent is None else extent)
+    first = int(_onset(firing)) - 1
+    last = first + int(30 * (firing.rise + firing.hold)) + 1
+    return float(values[first:last, performance.groups == group].mean(axis=1).max())
+
+
+def _nearest(timing: Timing, group: int, truth: Firing) -> Event | None:
     near = [
-        event.fit
+        event
         for event in timing.of_group(group)
         if event.fit.is_certain and abs(event.fit.shape.onset - _onset(truth)) < NEAR
     ]
-    return max(near, key=lambda fit: fit.shape.amplitude, default=None)
+    return max(near, key=lambda event: event.fit.shape.amplitude, default=None)
 
 
 def _group_event(
-    clip: TimedClip, expression: str, group: int, truth: Firing, fit: _core.PhaseFit | None
+    clip: TimedClip,
+    expression: str,
+    group: int,
+    truth: Firing,
+    event: Event | None,
+    amplitude: float,
 ) -> GroupEvent:
     onset, release = _onset(truth), _onset(truth) + 30 * (truth.rise + truth.hold)
     key = (clip.recipe.name, clip.condition, expression, group, onset, truth.exponent)
-    if fit is None:
+    if event is None:
         return GroupEvent(*key, False)
+    fit = event.fit
     return GroupEvent(
         *(*key, True),
         fit.onset.value - onset,
@@ -168,6 +190,9 @@ def _group_event(
         fit.shape.model.name,
         _half_of(fit.shape.onset, fit.shape.rise, fit.shape.exponent)
         - _half_of(onset, 30 * truth.rise, truth.exponent),
+        amplitude,
+        event.amplitude.value - amplitude,
+        event.amplitude.lower <= amplitude <= event.amplitude.upper,
     )
 
 
@@ -220,6 +245,11 @@ def as_text(scores: TimingScores) -> str:
             _median([e.exponent_error / e.exponent for e in detections]),
         ],
         ["  95 % intervals that hold it", _share([e.exponent_held for e in detections])],
+        [
+            "amplitude of a group, median error as a share of the truth",
+            _median([e.amplitude_error / e.amplitude for e in detections]),
+        ],
+        ["  95 % intervals that hold it", _share([e.amplitude_held for e in detections])],
         ["delay, median error, frames", _median([p.error for p in pairs])],
         ["  largest", _percentile([p.error for p in pairs], 100)],
         ["  of those that are 3 frames late", _median([p.error for p in late])],

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which events a smile is compared with."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from mimetic.analyse.smiles import EYES, MOUTH, smiles_of
+from mimetic.analyse.timing import Curve, Event
 
 
 def event(group, onset, release, amplitude, name="", last=None):
@@ -27,7 +29,8 @@ def event(group, onset, release, amplitude, name="", last=None):
         begins_before=False,
         ends_after=last is not None,
     )
-    return SimpleNamespace(curve=SimpleNamespace(group=group, name=name), fit=fit)
+    curve = SimpleNamespace(group=group, name=name)
+    return SimpleNamespace(curve=curve, fit=fit, amplitude=fit.amplitude)
 
 
 def smile_among(groups, sides=(), delays=()):
@@ -65,3 +68,17 @@ def test_eyes_of_another_scene_are_not_a_smiles():
     assert smile_among([mouth, eyes]).eye_event is None
     within = event(EYES, 60, 75, 0.6)
     assert smile_among([mouth, within]).eye_event is within
+
+
+def test_an_amplitude_counts_that_a_groups_muscles_are_wrong_together():
+    fit = event(MOUTH, 100, 130, 0.4).fit
+    members = np.array([1.0, 1, 1, 1])
+    curve = Curve("group", "a", MOUTH, np.zeros(3), np.full(3, 0.05), 0.1, members)
+    amplitude = Event(curve, 1, fit).amplitude
+    assert amplitude.value == 0.4
+    assert 0.4 - amplitude.lower == pytest.approx(amplitude.upper - 0.4)
+    assert amplitude.upper - 0.4 >= 1.96 * 0.1  # a muscle's deviation, not that of a mean of four
+    narrow = Event(replace(curve, measured_std=0.001), 1, fit).amplitude
+    assert narrow.upper - 0.4 < 0.01
+    weak = Event(replace(curve, measured_std=0.5), 1, fit).amplitude
+    assert weak.lower == 0

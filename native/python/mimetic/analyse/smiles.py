@@ -10,20 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
+from mimetic.analyse.estimate import WITHIN, Estimate
 from mimetic.analyse.tables import interval_cells
 from mimetic.analyse.timing import SIDES, Event, GroupDelay, Timing
 
 MOUTH, EYES = 1, 7  # groups
-WITHIN = 1.96  # standard deviations, within which 95 % lie
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A number with its 95 % interval; nan where nothing is known."""
-
-    value: float
-    lower: float
-    upper: float
 
 
 @dataclass(frozen=True)
@@ -100,7 +91,7 @@ def _smile(event: Event, timing: Timing, fps: float) -> Smile:
     blank = Estimate(math.nan, math.nan, math.nan)
     begins = not fit.begins_before
     whole = begins and not fit.ends_after
-    amplitude = _about(fit.amplitude)
+    amplitude = event.amplitude
     climb = fit.shape.climb / fit.shape.amplitude  # a smile may begin from half of another
     onset = Estimate(rise / fps, max(0.0, rise - rise_spread) / fps, (rise + rise_spread) / fps)
     return Smile(
@@ -110,7 +101,7 @@ def _smile(event: Event, timing: Timing, fps: float) -> Smile:
         _seconds(fit.length, fps) if whole else blank,
         _quotient(_times(amplitude, climb), onset) if begins else blank,
         _asymmetry(event, timing),
-        _quotient(_about(eyes.fit.amplitude), amplitude) if eyes else blank,
+        _quotient(eyes.amplitude, amplitude) if eyes else blank,
         delay,
     )
 
@@ -142,7 +133,10 @@ def _seen_part(fit: _core.PhaseFit, frames: NDArray[np.int64]) -> tuple[float, f
 
 
 def _asymmetry(event: Event, timing: Timing) -> Estimate:
-    """Of the mouth group's two sides, where one of them has an event at least."""
+    """Of the mouth group's two sides, where one of them has an event at least.
+
+    What a fit gets wrong it gets wrong on both sides, so that only each side's own error counts.
+    """
     events = [_side_event(side, event, timing) for side in SIDES]
     if not any(events):
         return Estimate(math.nan, math.nan, math.nan)
@@ -267,5 +261,5 @@ def _eye_words(smile: Smile) -> str:
 
 
 def _amplitude(event: Event) -> str:
-    amplitude = event.fit.amplitude
+    amplitude = event.amplitude
     return f"{amplitude.value:.2f} ({amplitude.lower:.2f} to {amplitude.upper:.2f})"

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from mimetic import _core
+from mimetic.analyse.estimate import Estimate
 from mimetic.analyse.timing import Event, GroupDelay, Timing
 from mimetic.shared.whole_file import whole_file
 
@@ -26,7 +27,7 @@ def write_table(path: Path, rows: Iterable[Row], columns: list[str]) -> None:
         stream.write(text.getvalue().encode())
 
 
-def interval_cells(name: str, interval: _core.Interval | None) -> dict[str, object]:
+def interval_cells(name: str, interval: _core.Interval | Estimate | None) -> dict[str, object]:
     """An estimate and the ends of its 95 % interval; empty cells where nothing is known."""
     values = (interval.value, interval.lower, interval.upper) if interval else ("", "", "")
     return dict(zip((name, f"{name}_lower", f"{name}_upper"), values, strict=True))
@@ -57,7 +58,7 @@ def _phase_row(event: Event, fps: float) -> dict[str, object]:
         **interval_cells("release_frame", fit.release if ends else None),
         "rise_seconds": shape.rise / fps if begins else "",
         "hold_seconds": shape.hold / fps if begins and ends else "",
-        **interval_cells("amplitude", fit.amplitude),
+        **interval_cells("amplitude", event.amplitude),
         **interval_cells("exponent", fit.exponent if begins else None),
         **interval_cells("release_frames", fit.release_time if ends else None),
         **interval_cells("relaxation_frames", fit.relaxation_time if two else None),

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
+from mimetic.analyse.estimate import WITHIN, Estimate
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.score.groups import GROUP_NAMES
 
@@ -19,6 +20,7 @@ SIDES = (".L", ".R")
 SHAPE_ERROR = 2.5
 PICTURES_ROBUST_SCALE = 0.02  # what the pictures say is not smoothed, so one frame may be far off
 EXPONENT_STD = 3.0  # beforehand, about 0
+SHARED_ERROR = 1.0  # of a group's amplitude, as a multiple of its muscles' standard deviation
 Progress = Callable[[float, str], object]
 
 
@@ -42,6 +44,18 @@ class Event:
     curve: Curve
     number: int
     fit: _core.PhaseFit
+
+    @property
+    def amplitude(self) -> Estimate:
+        """Its height, activation. Muscles of one group move nearly the same skin, and are wrong
+        together: the interval is that of one muscle at least, not that of so many."""
+        found = self.fit.amplitude
+        spread = WITHIN * SHARED_ERROR * self.curve.measured_std
+        return Estimate(
+            found.value,
+            max(0.0, min(found.lower, found.value - spread)),
+            max(found.upper, found.value + spread),
+        )
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,7 @@ def _phase_table(events: list[Event]) -> tuple[list[str], list[list[str]]]:
                 "before the clip" if fit.begins_before else _words(fit.onset),
                 "" if fit.begins_before else _words(fit.apex),
                 "after the clip" if fit.ends_after else _words(fit.release),
-                _words(fit.amplitude, 2),
+                _words(event.amplitude, 2),
                 "" if fit.begins_before else _words(fit.exponent),
                 f"{fit.explained:.3f}",
             ]
