@@ -101,8 +101,8 @@ def bake(request: dict) -> dict:
     except OSError as error:
         return failed(error)
     except RuntimeError as error:  # what an exporter reported, as text
-        exports = importlib.import_module(f"{extension}.scene_out.exports")
-        refused = exports.reported(error, request["out"])
+        reports = importlib.import_module(f"{extension}.scene_out.exporter_reports")
+        refused = reports.reported(error, request["out"])
         if refused.errno is None:  # a fault of ours, whose traceback tells
             raise
         return failed(refused)

@@ -3,12 +3,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import bpy
+from idprop.types import IDPropertyGroup
 
 ACTIONS_HAVE_SLOTS = bpy.app.version >= (4, 4, 0)
 NODES_ARE_ALWAYS_USED = bpy.app.version >= (5, 0, 0)
 COMPOSITOR_IS_A_GROUP = bpy.app.version >= (5, 0, 0)
 SEQUENCES_ARE_STRIPS = bpy.app.version >= (4, 4, 0)
+PROPERTIES_ARE_APART = bpy.app.version >= (5, 0, 0)  # an add-on's from those of the user's own
 CLIPS_ARE_TURNED = bpy.app.version >= (4, 5, 0)  # as their files say, which phones do
 # Options of a property with a path that may start with // (from 4.5 on Blender warns of others)
 RELATIVE_PATH = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
@@ -173,6 +177,28 @@ def curves_of(action: bpy.types.Action, slot: str) -> list[bpy.types.FCurve]:
 def paths_of(action: bpy.types.Action, slot: str) -> set[str]:
     """Data paths of the curves of one slot of an action."""
     return {curve.data_path for curve in curves_of(action, slot)}
+
+
+def left_references(id_block: bpy.types.ID) -> int:
+    """How many of the users of a data-block are the copies of our properties that Blender leaves
+    among an object's own ones, for earlier versions, when it opens a file of those."""
+    if not PROPERTIES_ARE_APART:
+        return 0
+    users = bpy.data.user_map(subset=[id_block])[id_block]
+    return sum(_references([user.get("mimetic")], id_block) for user in users)
+
+
+def _references(values: Iterable, id_block: bpy.types.ID) -> int:
+    """How often custom properties, and those in them, refer to a data-block."""
+    count = 0
+    for value in values:
+        if isinstance(value, list):
+            count += _references(value, id_block)
+        elif isinstance(value, IDPropertyGroup):
+            count += _references(value.values(), id_block)
+        else:
+            count += value == id_block
+    return count
 
 
 def add_strip(

@@ -66,7 +66,7 @@ def save(performance, new: NewTake) -> tuple[str, list[str]]:
         spare = new.spare_path()
         performance.save(spare)
         message = rpt_("{path} cannot be written ({reason}): saved as {spare}").format(
-            path=path, reason=error.strerror, spare=spare
+            path=path, reason=error.strerror or error, spare=spare
         )
         return spare, [message, *notes]
     return path, [*notes]

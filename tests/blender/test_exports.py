@@ -204,7 +204,7 @@ def test_an_exporters_traceback_of_a_full_disk_is_one_reason(extension, scene, f
 def test_an_exporters_other_traceback_is_its_last_line(extension):
     report = 'Error: Python: Traceback (most recent call last):\n  File "x.py", line 1\n'
     error = RuntimeError(report + "KeyError: 'bone'\nLocation: ops.py:109\n")
-    failure = extension("scene_out.exports").reported(error, "face.fbx")
+    failure = extension("scene_out.exporter_reports").reported(error, "face.fbx")
     assert failure.errno is None and str(failure) == "face.fbx: KeyError: 'bone'"
 
 

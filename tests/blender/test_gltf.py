@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The exported file is valid, and plays the same motion wherever it is opened."""
 
+import errno
 import json
 import subprocess
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from test_exports import largest_file
 
 VALIDATOR = Path(__file__).resolve().parents[2] / "scripts" / "gltf_validator"
 MOTION_METRES = 1e-4
@@ -131,7 +133,44 @@ def test_selection_and_scene_stay(extension, scene, performance, tmp_path):
     assert [(a.use_frame_range, a.frame_start, a.frame_end) for a in bpy.data.actions] == ranges
 
 
-def test_a_folder_that_is_missing_is_an_os_error(extension, scene, performance, tmp_path):
+@pytest.fixture
+def export(extension, scene, performance):
     extension("scene_out").bake(scene, performance, "take")
-    with pytest.raises(OSError, match="nowhere"):
-        extension("scene_out.gltf").export(scene, tmp_path / "nowhere" / "face.glb")
+    return lambda path: extension("scene_out.gltf").export(scene, path)
+
+
+def test_a_folder_that_is_missing_is_an_os_error_of_the_file(export, tmp_path):
+    path = tmp_path / "nowhere" / "face.glb"
+    with pytest.raises(OSError) as failure:
+        export(path)
+    assert failure.value.errno == errno.ENOENT and failure.value.filename == str(path)
+
+
+def test_a_full_disk_is_one_reason_and_leaves_what_was_there(export, scene, tmp_path):
+    path = tmp_path / "face.glb"
+    path.write_bytes(b"before")
+    scene.frame_set(7, subframe=0.25)
+    with largest_file(100_000), pytest.raises(OSError) as failure:
+        export(path)
+    assert failure.value.errno == errno.EFBIG and failure.value.filename == str(path)
+    assert "\n" not in str(failure.value)
+    assert path.read_bytes() == b"before" and list(tmp_path.iterdir()) == [path]
+    assert scene.frame_current_final == 7.25
+
+
+def test_a_read_only_file_is_refused(export, extension, tmp_path):
+    path = tmp_path / "face.glb"
+    path.write_bytes(b"mine")
+    path.chmod(0o444)
+    with pytest.raises(extension("native").known_errors(), match=r"face.glb is read-only"):
+        export(path)
+    assert path.read_bytes() == b"mine" and list(tmp_path.iterdir()) == [path]
+
+
+def test_a_link_stays_and_its_file_is_replaced(export, tmp_path):
+    path, link = tmp_path / "real.glb", tmp_path / "link.glb"
+    path.write_bytes(b"before")
+    link.symlink_to(path)
+    export(link)
+    assert link.is_symlink() and path.read_bytes()[:4] == b"glTF"
+    assert sorted(tmp_path.iterdir()) == [link, path]

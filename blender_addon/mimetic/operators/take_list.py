@@ -14,6 +14,11 @@ def _names(self, context, text) -> list[str]:
     return [row.name for row in obj.mimetic.takes] if obj else []
 
 
+def _with_gone_keys(message: str, obj, *rows) -> str:
+    gone = scene_out.take_list.gone_keys(obj, *rows)
+    return f"{message}; {gone}" if gone else message
+
+
 class OnTake(Greyed):
     """Mixin. Subclasses give `use(context, obj, row)`: the line for the user, and facts."""
 
@@ -52,7 +57,7 @@ class MIMETIC_OT_play_take(OnTake, Operator):
             message += rpt_(
                 "; contact and detail were made for a later bake and rest: bake it again"
             )
-        return message, {}
+        return _with_gone_keys(message, obj, row), {}
 
 
 class MIMETIC_OT_remove_take(OnTake, Operator):
@@ -88,6 +93,7 @@ class MIMETIC_OT_compare_take(OnTake, Operator):
         message = rpt_("{copy} plays {take} beside {original}").format(
             copy=twin.name, take=name, original=obj.name
         )
+        message = _with_gone_keys(message, twin, twin.mimetic.takes[name])
         return message, {"copy": twin.name}
 
 
@@ -122,7 +128,7 @@ class MIMETIC_OT_blend_takes(OnTake, Operator):
         message = rpt_("{take} over {other} at {influence:.0%}").format(
             take=row.name, other=under.name, influence=self.influence
         )
-        return message, {"over": under.name}
+        return _with_gone_keys(message, obj, under, row), {"over": under.name}
 
 
 class MIMETIC_OT_mark_lost(OnTake, Operator):

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import bpy
 
 from .. import writable
-from . import by_hand, contact, face, part_keys
+from . import by_hand, contact, face, part_keys, renamed_keys
 from .by_hand import HandChanges, KeyState
 
 
@@ -48,6 +48,7 @@ def write(
     blocks = obj.data.shape_keys.key_blocks
     active = obj.active_shape_key_index
     states = dict(by_hand.look_units(obj) if known is None else known)
+    renamed_keys.follow(obj)  # while the names of before are known
     kept, added = [], []
     for shape in shapes:
         if shape.name in states or known is not None:

@@ -76,6 +76,22 @@ def keys_now(face) -> dict[str, str]:
     return _keys_of(face, entries_of(face))
 
 
+def all_keys_now(face) -> dict[str, str]:
+    """As `keys_now`, with ARKit's shapes that the face was given."""
+    return _keys_of(face, units_of(face)) | keys_now(face)
+
+
+def shapes_by_name(face) -> dict[str, str]:
+    """The shape, ARKit's too, by each name that its key has or is known to have had."""
+    shapes = {key: shape for shape, key in all_keys_now(face).items()}
+    known = {**units_of(face), **entries_of(face)}
+    for shape, entry in known.items():
+        shapes.setdefault(entry.name, shape)
+    for shape in known:
+        shapes.setdefault(shape, shape)
+    return shapes
+
+
 def entries_of(face) -> dict:
     """What is remembered of each shape, by the name it was given; groups last."""
     own = (*face.mimetic.shapes, *face.mimetic.groups)
@@ -95,6 +111,14 @@ def remember(entry, key, basis, offsets: np.ndarray, lowest: float, highest: flo
     entry.offsets = fingerprint(_turned(offsets, noted))
     entry.points = fingerprint(_placed((basis + offsets).astype(np.float32), noted))
     entry.place = 0  # until all keys have theirs
+
+
+def remember_names(face) -> None:
+    """Stores the names that keys have now, by which they are known once they are renamed again."""
+    for entries in (units_of(face), entries_of(face)):
+        for shape, key in _keys_of(face, entries).items():
+            if entries[shape].shape:  # else its name is all that is known of it
+                entries[shape].name = key
 
 
 def remember_places(face) -> None:

@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import errno
 import math
 import os
-import re
 import struct
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -18,13 +16,20 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
-from . import contact_curves, gltf, negative_keys, part_curves, pictures, selection, strip_curves
+from . import (
+    contact_curves,
+    exporter_reports,
+    gltf,
+    negative_keys,
+    part_curves,
+    pictures,
+    selection,
+    strip_curves,
+)
 
 # How a USD crate file begins: its kind, 8 bytes of version, and where its table of contents is
 CRATE_HEADER = struct.Struct("<8s8xq")
 CRATE_SECTION = 32  # bytes of a row of that table, which the number of rows precedes
-# What a disk refuses; Windows has no quotas of this kind
-OF_DISKS = {errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
 
 def _is_anything(path: Path) -> bool:
@@ -170,7 +175,20 @@ def export(
     if reason := no_format(path.suffix):
         raise native.invalid_input(reason)
     kind = FORMATS[path.suffix]
-    objects = selection.character_objects(scene, character)
+    with selection.scene_at_hand(scene):
+        objects = selection.character_objects(scene, character)
+        _write(scene, path, character, objects, kind)
+        left_out = selection.left_out(scene, character)
+    return "; ".join(filter(None, (f"{kind.name}: {rpt_(kind.loses)}", left_out)))
+
+
+def _write(
+    scene: bpy.types.Scene,
+    path: Path,
+    character: bpy.types.Object,
+    objects: list[bpy.types.Object],
+    kind: Format,
+) -> None:
     files = native.whole_file()
     with files.file_with_textures(path) as aside:
         # What is not named after the file goes with the folder
@@ -190,24 +208,8 @@ def export(
             try:
                 kind.write(str(aside), first, last)
             except RuntimeError as error:  # what the exporter reported
-                raise reported(error, path) from None
+                raise exporter_reports.reported(error, path) from None
         _check_written(aside, path, kind)
-    loses = f"{kind.name}: {rpt_(kind.loses)}"
-    return "; ".join(filter(None, (loses, selection.left_out(scene, character))))
-
-
-def reported(error: RuntimeError, path: str | os.PathLike[str]) -> OSError:
-    """What to raise for what an exporter reported as it wrote `path`: with a number what the disk
-    refused, if a traceback in the report has that, else what it reported, of a traceback the end.
-    """
-    text = str(error).strip()
-    numbers = [int(number) for number in re.findall(r"\[Errno (\d+)\]", text)]
-    if refused := [number for number in numbers if number in OF_DISKS]:
-        return OSError(refused[-1], os.strerror(refused[-1]), str(path))
-    if "Traceback" not in text:
-        return OSError(f"{path}: {text}")
-    lines = [line for line in text.splitlines() if not line.startswith((" ", "Location:"))]
-    return OSError(f"{path}: {lines[-1]}")
 
 
 def _check_written(aside: Path, path: Path, kind: Format) -> None:

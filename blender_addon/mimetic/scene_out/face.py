@@ -13,7 +13,7 @@ import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from .. import mesh_frame, native, writable
-from . import actions, by_hand, contact, gaze
+from . import actions, by_hand, contact, gaze, renamed_keys
 from .by_hand import HandChanges, KeyState
 
 BASIS = "Basis"
@@ -91,6 +91,7 @@ def set_shapes(face, neutral_vertices, shapes, groups, is_reset: bool = False) -
     states = by_hand.look(face)
     if is_reset:
         states = _take_names_back(face, states)
+    renamed_keys.follow(face)  # while the names of before are known
     hand_changes = HandChanges()
     names = {shape.name for shape in (*shapes, *groups)}
     left = _drop_others(face, states, names, hand_changes)

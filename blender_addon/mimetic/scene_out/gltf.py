@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 import os
-import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -13,7 +12,14 @@ from pathlib import Path
 import bpy
 
 from .. import compat, native, scene_in
-from . import contact_curves, control_object, part_curves, selection, strip_curves
+from . import (
+    contact_curves,
+    control_object,
+    exporter_reports,
+    part_curves,
+    selection,
+    strip_curves,
+)
 
 
 def export(
@@ -31,50 +37,66 @@ def export(
     """
     path = Path(path)
     face = face or scene.mimetic.face
+    with selection.scene_at_hand(scene), native.whole_file().file_beside(path, ".glb") as aside:
+        _export(scene, path, aside, face, is_animated)
+        return selection.left_out(scene, face)
+
+
+def _export(
+    scene: bpy.types.Scene, path: Path, aside: Path, face: bpy.types.Object, is_animated: bool
+) -> None:
+    """Writes `aside`, which is to be `path`."""
     objects = selection.character_objects(scene, face)
     shaped = selection.with_shape_keys(objects)
     for obj in shaped:
         if reason := control_object.no_values(obj):
             raise native.invalid_input(reason)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
-        aside = Path(folder, "face.glb")
-        with ExitStack() as stack:
-            stack.enter_context(selection.selected_alone(objects, face))
-            stack.enter_context(strip_curves.with_curves(scene, objects))
-            for obj in shaped:
-                # Contact's keys come behind the groups', whose number must not change then
-                if not stack.enter_context(contact_curves.with_keys(scene, obj)):
-                    stack.enter_context(_without_idle_groups(obj))
-            stack.enter_context(part_curves.with_curves(shaped))
-            stack.enter_context(_whole_ranges(objects))
-            bpy.ops.export_scene.gltf(
-                filepath=str(aside),
-                export_format="GLB",
-                use_selection=True,
-                export_yup=True,
-                export_apply=False,
-                export_def_bones=True,
-                export_image_format="JPEG",
-                export_image_quality=90,
-                export_morph=True,
-                export_morph_normal=True,
-                export_morph_animation=True,
-                export_animations=is_animated,
-                export_animation_mode="ACTIVE_ACTIONS",
-                export_nla_strips_merged_animation_name="Performance",
-                export_force_sampling=True,
-                export_frame_range=False,
-                export_anim_slide_to_zero=True,
-                export_optimize_animation_size=False,
-            )
-        # Blender's exporter multiplies by the rate's base where it should divide: at 23.976 frames
-        # a second a minute would come out 120 ms short
-        if is_animated:
-            rate = scene_in.timing(scene, None).scene_rate
-            files = native.gltf()
-            aside.write_bytes(files.split_negative(files.retime(aside.read_bytes(), rate)))
-        os.replace(aside, path)
-    return selection.left_out(scene, face)
+    current = scene.frame_current_final
+    with ExitStack() as stack:
+        stack.callback(scene.frame_set, math.floor(current), subframe=current % 1)
+        stack.enter_context(selection.selected_alone(objects, face))
+        stack.enter_context(strip_curves.with_curves(scene, objects))
+        for obj in shaped:
+            # Contact's keys come behind the groups', whose number must not change then
+            if not stack.enter_context(contact_curves.with_keys(scene, obj)):
+                stack.enter_context(_without_idle_groups(obj))
+        stack.enter_context(part_curves.with_curves(shaped))
+        stack.enter_context(_whole_ranges(objects))
+        try:
+            _write(aside, is_animated)
+        except RuntimeError as error:  # what the exporter reported
+            raise exporter_reports.reported(error, path) from None
+    # Blender's exporter multiplies by the rate's base where it should divide: at 23.976 frames
+    # a second a minute would come out 120 ms short
+    if is_animated:
+        rate = scene_in.timing(scene, None).scene_rate
+        files = native.gltf()
+        aside.write_bytes(files.split_negative(files.retime(aside.read_bytes(), rate)))
+
+
+def _write(aside: Path, is_animated: bool) -> None:
+    """What is selected in the context's scene, by Blender's exporter."""
+    bpy.ops.export_scene.gltf(
+        filepath=str(aside),
+        export_format="GLB",
+        use_selection=True,
+        use_active_scene=True,
+        export_yup=True,
+        export_apply=False,
+        export_def_bones=True,
+        export_image_format="JPEG",
+        export_image_quality=90,
+        export_morph=True,
+        export_morph_normal=True,
+        export_morph_animation=True,
+        export_animations=is_animated,
+        export_animation_mode="ACTIVE_ACTIONS",
+        export_nla_strips_merged_animation_name="Performance",
+        export_force_sampling=True,
+        export_frame_range=False,
+        export_anim_slide_to_zero=True,
+        export_optimize_animation_size=False,
+    )
 
 
 @contextmanager

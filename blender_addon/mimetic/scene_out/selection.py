@@ -53,6 +53,32 @@ def with_shape_keys(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Objec
 
 
 @contextmanager
+def scene_at_hand(scene: bpy.types.Scene) -> Iterator[None]:
+    """While it lasts, the window and the context have this scene: exporters write what the context
+    has, or what is selected in the window's. Puts all back, also an override of the caller's."""
+    context = bpy.context
+    window, is_at_hand = context.window, context.scene == scene
+    layer = context.view_layer if is_at_hand else scene.view_layers[0]
+    if window is None or (is_at_hand and (window.scene, window.view_layer) == (scene, layer)):
+        yield
+        return
+    before = window.scene, window.view_layer
+    _show(window, scene, layer)
+    try:
+        with context.temp_override(scene=scene, view_layer=layer):
+            yield
+    finally:
+        _show(window, *before)
+
+
+def _show(window: bpy.types.Window, scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> None:
+    # Setting the window's scene ends an override of it: that of the caller stays below this one
+    with bpy.context.temp_override(scene=scene, view_layer=layer):
+        window.scene = scene
+        window.view_layer = layer
+
+
+@contextmanager
 def selected_alone(objects: Iterable[bpy.types.Object], active: bpy.types.Object) -> Iterator[None]:
     """Selects these objects and no others, also those that cannot be, and puts all back."""
     objects = set(objects)

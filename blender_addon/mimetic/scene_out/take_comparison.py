@@ -8,7 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from mathutils import Vector
 
 from .. import native, world
-from . import control_object, framed, part_keys, take_list
+from . import control_object, framed, part_keys, renamed_keys, take_list
 
 BESIDE = 0.25  # metres
 
@@ -30,6 +30,7 @@ def stand_beside(scene: bpy.types.Scene, face: bpy.types.Object, row) -> bpy.typ
     goes on as it does, and 3D views show both. Raises InvalidInput, and changes nothing then."""
     if reason := no_copy(face) or take_list.no_play(face, row):
         raise native.invalid_input(reason)
+    renamed_keys.follow(face)  # before names are remembered on the copy alone
     twin = face.copy()
     twin.name = f"{face.name} {row.name}"
     twin.data = face.data.copy()

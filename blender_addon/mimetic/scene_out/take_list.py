@@ -14,9 +14,19 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
 from ..takes import note_baked
-from . import companions, control_object, key_table, rest_pose, standing, take_strips
+from . import (
+    by_hand,
+    companions,
+    control_object,
+    key_table,
+    renamed_keys,
+    rest_pose,
+    standing,
+    take_strips,
+)
+from .renamed_keys import KEYS
 
-KEYS, OBJECT, CONTROL = "KEYS", "OBJECT", "CONTROL"
+OBJECT, CONTROL = "OBJECT", "CONTROL"
 
 
 def owners(obj: bpy.types.Object | None) -> dict[str, bpy.types.ID]:
@@ -60,6 +70,7 @@ def note(obj, performance, name: str, path: str, frames, settings: str, before: 
     actions are not its.
     """
     facts = native.take_facts().facts_of(performance)
+    renamed_keys.follow(obj)
     for block in owners(obj).values():
         take_strips.clear(block)  # of the takes before, which stay in the list
     row = obj.mimetic.takes.add()
@@ -137,12 +148,15 @@ def is_edited(row) -> bool:
 
 
 def mark_of(row) -> str:
-    """Of all keys of a take's curves."""
-    digest = hashlib.sha256()
+    """Of all keys of a take's curves; the same once shape keys of ours were renamed."""
+    digest, obj = hashlib.sha256(), row.id_data
+    shapes = by_hand.shapes_by_name(obj) if KEYS in owners(obj) else {}
     for part in row.parts:
+        of_part = shapes if part.name == KEYS else {}
         curves = compat.curves_of(part.action, part.slot_now) if part.action else ()
-        for curve in sorted(curves, key=lambda curve: (curve.data_path, curve.array_index)):
-            digest.update(f"{part.name} {curve.data_path} {curve.array_index}".encode())
+        paths = [(renamed_keys.lasting_path(c.data_path, of_part), c.array_index) for c in curves]
+        for (path, index), curve in sorted(zip(paths, curves, strict=True), key=lambda row: row[0]):
+            digest.update(f"{part.name} {path} {index}".encode())
             digest.update(key_table.mark(curve))
     return digest.hexdigest()
 
@@ -173,7 +187,8 @@ def _surface_of(obj: bpy.types.Object) -> str:
     """Of the shapes of contact and detail that the face has now, which a bake makes anew."""
     digest = hashlib.sha256()
     for entry in _rest_of(obj):
-        digest.update(f"{entry.name} ".encode() + np.array(entry.offsets, np.float32).tobytes())
+        shape = entry.shape or entry.name
+        digest.update(f"{shape} ".encode() + np.array(entry.offsets, np.float32).tobytes())
     return digest.hexdigest()
 
 
@@ -206,6 +221,7 @@ def play(obj: bpy.types.Object, row) -> bool:
     if reason := no_play(obj, row):
         raise native.invalid_input(reason)
     leave_tweak_mode(obj)
+    renamed_keys.follow(obj)
     leaving, of_takes = _all_now(obj), actions_of_takes(obj)
     for block in owners(obj).values():
         take_strips.clear(block)
@@ -218,6 +234,20 @@ def play(obj: bpy.types.Object, row) -> bool:
     _rest_of_what_left(obj, leaving, [row])
     obj.mimetic.active_take = obj.mimetic.takes.find(row.name)
     return _suit(obj, row)
+
+
+def gone_keys(obj: bpy.types.Object, *rows) -> str:
+    """What of takes moves nothing as its shape keys are gone, for a message; or nothing."""
+    blocks, lines = owners(obj), []
+    for row in rows:
+        if names := renamed_keys.gone(row, blocks):
+            lines.append(
+                rpt_(
+                    "{name} has no shape key {keys} any more, which {take} moves: give it its name "
+                    "again, or bake the take again"
+                ).format(name=obj.name, keys=by_hand.told(names), take=row.name)
+            )
+    return "; ".join(lines)
 
 
 def actions_of_takes(obj: bpy.types.Object) -> set[bpy.types.Action]:
@@ -267,6 +297,7 @@ def blend(obj: bpy.types.Object, under, over, influence: float) -> None:
             rpt_("{take} plays already: choose another take to blend in").format(take=over.name)
         )
     leave_tweak_mode(obj)
+    renamed_keys.follow(obj)
     leaving = _all_now(obj)
     take_strips.play(owners(obj), [(under, 1.0), (over, influence)])
     _rest_of_what_left(obj, leaving, [under, over])
@@ -305,7 +336,7 @@ def remove(obj: bpy.types.Object, row) -> list[str]:
     names = []
     for action in gone:
         action.use_fake_user = False
-        if not action.users:
+        if action.users <= compat.left_references(action):
             names.append(action.name)
             bpy.data.actions.remove(action)
     obj.mimetic.active_take = min(max(index - 1, 0), max(len(obj.mimetic.takes) - 1, 0))
