@@ -140,3 +140,16 @@ def test_bake_and_refine_wait_behind_a_capture(extension, captured, monkeypatch)
         assert bpy.ops.mimetic.bake.poll() and bpy.ops.mimetic.refine.poll()
     monkeypatch.setattr(jobs, "waiting", [jobs.Run("Bake", captured.name)])
     assert not bpy.ops.mimetic.bake.poll() and bpy.ops.mimetic.refine.poll()
+
+
+@pytest.mark.newest
+def test_a_take_whose_file_is_read_only_is_saved_elsewhere_and_why_is_told(
+    extension, performance, tmp_path
+):
+    path = tmp_path / "mine.npz"
+    path.write_bytes(b"mine")
+    path.chmod(0o444)
+    takes = extension("takes")
+    spare, (note, *_) = takes.save(performance, takes.new_take("clip.mp4", str(path)))
+    assert path.read_bytes() == b"mine" and Path(spare).is_file() and spare != str(path)
+    assert "mine.npz is read-only" in note and "None" not in note

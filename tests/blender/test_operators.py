@@ -348,18 +348,6 @@ def test_takes_that_were_begun_side_by_side_are_both_kept(extension, performance
     assert len(set(paths)) == 2 and all(Path(path).is_file() for path in paths)
 
 
-def test_a_take_whose_file_is_read_only_is_saved_elsewhere_and_why_is_told(
-    extension, performance, tmp_path
-):
-    path = tmp_path / "mine.npz"
-    path.write_bytes(b"mine")
-    path.chmod(0o444)
-    takes = extension("takes")
-    spare, (note, *_) = takes.save(performance, takes.new_take("clip.mp4", str(path)))
-    assert path.read_bytes() == b"mine" and Path(spare).is_file() and spare != str(path)
-    assert "mine.npz is read-only" in note and "None" not in note
-
-
 def test_the_shown_frame_counts_start_and_offset(extension, scene, footage):
     bpy.ops.mimetic.load_clip(filepath=str(footage))
     scene.mimetic.clip.frame_start, scene.mimetic.clip.frame_offset = 11, 5

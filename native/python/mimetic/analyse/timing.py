@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
@@ -20,7 +21,8 @@ SIDES = (".L", ".R")
 SHAPE_ERROR = 2.5
 PICTURES_ROBUST_SCALE = 0.02  # what the pictures say is not smoothed, so one frame may be far off
 EXPONENT_STD = 3.0  # beforehand, about 0
-SHARED_ERROR = 1.0  # of a group's amplitude, as a multiple of its muscles' standard deviation
+# Of an amplitude, as a share of its muscles' standard deviation and of itself
+SHARED_ERROR, MODEL_ERROR = 0.75, 0.3
 Progress = Callable[[float, str], object]
 
 
@@ -47,10 +49,14 @@ class Event:
 
     @property
     def amplitude(self) -> Estimate:
-        """Its height, activation. Muscles of one group move nearly the same skin, and are wrong
-        together: the interval is that of one muscle at least, not that of so many."""
+        """Its height, activation.
+
+        Muscles of one group move nearly the same skin and are wrong together, and what a fitted
+        head gets wrong grows with how far its skin moves: `fit.amplitude` counts neither.
+        """
         found = self.fit.amplitude
-        spread = WITHIN * SHARED_ERROR * self.curve.measured_std
+        error = math.hypot(SHARED_ERROR * self.curve.measured_std, MODEL_ERROR * found.value)
+        spread = WITHIN * error
         return Estimate(
             found.value,
             max(0.0, min(found.lower, found.value - spread)),

@@ -78,7 +78,7 @@ def _parts(timing: Timing, smiles: list[Smile], pictures: dict[str, bytes]) -> I
             "Only the surface is seen: a slow fall may be a muscle that lets go slowly or skin "
             "that relaxes. Which of the two it is cannot be determined from video. Intervals "
             "count the curve's own noise, as the capture's smoother correlates it, and for "
-            "amplitudes the capture's standard deviations; they do not count a wrong fit."
+            "amplitudes the capture's standard deviations and what fitted heads usually get wrong."
         ),
     )
 
