@@ -30,6 +30,7 @@ def shapes_of(head) -> dict[str, np.ndarray]:
     return {entry.shape: offsets_of(head, entry.name) for entry in head.mimetic.units}
 
 
+@pytest.mark.newest
 def test_they_follow_a_landmark_as_if_they_were_new(head, parts):
     before = shapes_of(head)
     assert len(before) == 52

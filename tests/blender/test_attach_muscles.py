@@ -225,7 +225,7 @@ def test_parts_stay_where_transforms_are_applied(extension, parts, head):
     np.testing.assert_allclose(places(), before, atol=1e-5)
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 @pytest.mark.parametrize("how", ["applied", "cut"])
 def test_muscles_follow_landmarks_after_the_mesh_was_changed(extension, parts, head, how):
     attached(head, parts, "empties")

@@ -9,6 +9,8 @@ import pytest
 from mathutils import Euler, Matrix
 from panel_texts import drawn
 
+pytestmark = pytest.mark.oldest_and_newest
+
 UNIT = 0.01  # metres in the object's unit: modelled in centimetres
 FRAMES = (1, 9, 24, 40)
 

@@ -79,6 +79,7 @@ def test_the_zip_alone_installs_captures_bakes_and_exports(zip_file, bare, clip_
     assert os.path.exists(answer["take"])
 
 
+@pytest.mark.newest
 def test_pip_installs_the_wheel_where_nothing_is_and_it_captures(clip_path, tmp_path):
     """A new environment, away from the checkout; numpy, ffmpeg and matplotlib come from PyPI."""
     tag = f"cp{sys.version_info[0]}{sys.version_info[1]}"

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from test_control_object import baked, control_of, of_the_muscles
 
+pytestmark = pytest.mark.oldest_and_newest
+
 
 @pytest.fixture(params=["KEYS", "CONTROLS"])
 def animated(request, extension, scene, performance):

@@ -9,6 +9,8 @@ import bpy
 import pytest
 from test_export_hidden import EVERY, names_in
 
+pytestmark = pytest.mark.oldest_and_newest
+
 
 def add_head(scene, name: str, fps: int):
     """A head of four vertices that opens its mouth, in a scene of its own rate."""

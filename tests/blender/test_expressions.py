@@ -8,6 +8,8 @@ import bpy
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.oldest_and_newest
+
 FPS = 30.0
 
 

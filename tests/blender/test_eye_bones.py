@@ -9,6 +9,8 @@ import pytest
 from mathutils import Vector
 from test_face_bones import rig  # noqa: F401
 
+pytestmark = pytest.mark.oldest_and_newest
+
 YAW = np.array([0, 20, -20, 0, 0, 15, -25, 30.0])  # degrees, to the subject's left
 PITCH = np.array([0, 0, 0, 12, -18, 10, -10, 0.0])  # up
 OTHER = np.array([0, 2, -1, 0, 0, 5, 3, -6.0])  # by which the right eye's yaw differs

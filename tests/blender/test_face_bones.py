@@ -7,6 +7,8 @@ import pytest
 from mathutils import Vector
 from test_bake_command import run_bake
 
+pytestmark = pytest.mark.oldest_and_newest
+
 # Bone: where it is on the face, by a landmark of the template; how far it takes skin along, metres
 BONES = {
     "brow.L": ("brow_inner.L", 0.018),

@@ -127,6 +127,7 @@ def test_parts_of_a_rotation_have_keys_at_the_same_frames(extension, rig, acting
     assert all(one == frames[0] for one in frames)
 
 
+@pytest.mark.newest
 def test_the_command_makes_few_keys_on_bones_and_objects(
     extension,
     scene,

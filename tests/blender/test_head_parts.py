@@ -8,6 +8,8 @@ from last_result import result
 from mathutils import Matrix
 from test_attach_muscles import evaluated, new_head, offsets_of
 
+pytestmark = pytest.mark.oldest_and_newest
+
 NAMES = ("eye.L", "eye.R", "teeth_lower", "teeth_upper", "tongue")
 
 
@@ -71,7 +73,6 @@ def _in_head(head, part) -> np.ndarray:
     return evaluated(part) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-@pytest.mark.oldest_and_newest
 def test_parts_move_as_if_they_were_joined(parts, rows, joined, split):
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
     assert result()["notes"] == []
@@ -102,7 +103,6 @@ def test_parts_move_as_if_they_were_joined(parts, rows, joined, split):
             whole[name].value = own[name].value = 0.0
 
 
-@pytest.mark.oldest_and_newest
 def test_attaching_again_writes_the_same_keys_anew(split):
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
     eye = bpy.data.objects["eye.L"]
@@ -120,7 +120,6 @@ def evaluated_at_rest(obj) -> np.ndarray:
     return np.array([point.co for point in obj.data.shape_keys.reference_key.points])
 
 
-@pytest.mark.oldest_and_newest
 def test_what_cannot_move_is_told_and_holds_lids_out(joined, split, rows, tmp_path):
     objects = bpy.data.objects
     objects["eye.R"].parent = None
@@ -175,7 +174,6 @@ def test_only_what_is_shown_and_inside_is_a_part(extension, scene, split):
     assert [part.name for part in read(scene, split).parts] == ["teeth_lower", "teeth_upper"]
 
 
-@pytest.mark.oldest_and_newest
 def test_landmarks_and_muscles_with_parts_are_undone_in_one_step_each(parts, split):
     for group in list(split.vertex_groups):
         split.vertex_groups.remove(group)
@@ -199,7 +197,7 @@ def put_landmarks_of(head, parts) -> None:
     bpy.context.view_layer.update()
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 def test_contact_of_lips_is_that_of_the_joined_head(joined, split, rows):
     bpy.context.view_layer.objects.active = split
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
@@ -211,7 +209,6 @@ def test_contact_of_lips_is_that_of_the_joined_head(joined, split, rows):
     assert np.abs(offsets_of(split, "contact")).max() > 0.1
 
 
-@pytest.mark.oldest_and_newest
 def test_a_copy_that_plays_another_take_has_parts_of_its_own(extension, scene, split, acted):
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
     path = acted[1]

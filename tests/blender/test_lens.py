@@ -62,8 +62,8 @@ def test_a_lens_that_cannot_be_is_refused_and_the_panel_says_so(clip):
     assert lit_buttons(PANEL) == ["mimetic.find_face"]
 
 
+@pytest.mark.newest
 @pytest.mark.parametrize("name", ["capture", "track_head"])
-@pytest.mark.oldest_and_newest
 def test_a_call_of_a_capture_says_it_too(clip, tmp_path, name):
     """Where no face was found before; the lens of one that was is the fit's."""
     from mimetic.performance.document import Performance

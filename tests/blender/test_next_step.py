@@ -23,7 +23,7 @@ def press_what_is_lit() -> list[str]:
     return pressed
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 def test_what_is_lit_leads_from_a_dropped_video_to_a_corrected_baked_face(
     extension, clip_path, tmp_path
 ):

@@ -145,7 +145,7 @@ def test_export_into_a_missing_folder_says_so(performance_file, tmp_path):
         bpy.ops.mimetic.export_gltf(filepath=str(tmp_path / "nowhere" / "a.glb"))
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 def test_stripes_have_no_face(extension, scene, footage):
     bpy.ops.mimetic.load_clip(filepath=str(footage))
     with pytest.raises(RuntimeError, match="face"):

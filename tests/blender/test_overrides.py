@@ -12,6 +12,8 @@ from test_bake_bound import hero  # noqa: F401
 from test_face_bones import acting_file, rig  # noqa: F401
 from test_takes import playing, rows
 
+pytestmark = pytest.mark.oldest_and_newest
+
 BROW = "frontalis_medial.L"
 
 

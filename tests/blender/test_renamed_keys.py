@@ -11,6 +11,8 @@ import pytest
 from last_result import result
 from test_takes import edit, playing, rows, value
 
+pytestmark = pytest.mark.oldest_and_newest
+
 OLD, NEW, NEWER = "muscle_00.L", 'Nose "mine"', "Nose"
 
 

@@ -62,7 +62,7 @@ def test_a_head_gets_the_shapes_in_a_copy_and_its_own_stay(bust, tmp_path):
     assert rest[np.abs(lowered).max(axis=1) > 0.1, 0].min() > 0.5  # of one eye
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 def test_without_a_file_the_landmarks_place_themselves_and_a_glb_has_the_shapes(bust, tmp_path):
     path, _ = bust
     out = tmp_path / "out.glb"

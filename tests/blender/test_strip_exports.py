@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from test_exports import read, world_vertices
 
+pytestmark = pytest.mark.oldest_and_newest
+
 FRAMES = (1, 13, 20, 33)
 # Metres; USD's importer cuts weights that are below 0 at 0
 NEAR = {".fbx": 2e-6, ".usdc": 2e-6, ".abc": 2e-7}

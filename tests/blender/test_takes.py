@@ -10,6 +10,8 @@ from last_result import result
 from panel_texts import drawn
 from test_bake import evaluated_vertices
 
+pytestmark = pytest.mark.oldest_and_newest
+
 LEFT = "muscle_00.L"
 KINDS = ("KEYS", "CONTROLS")
 

@@ -77,7 +77,7 @@ def read_glb(path) -> dict[str, bpy.types.Object]:
     return dict(bpy.context.scene.objects.items())
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 def test_a_head_with_muscles_gets_arkits_names(scene, gazing, tmp_path):
     from mimetic.character import gltf
     from mimetic.retarget.unit_fit import unit_order, unit_values
@@ -136,7 +136,7 @@ def check_looks(performance, eyes, character_in_parent=None) -> None:
             np.testing.assert_allclose(actual, ahead, atol=3e-3)
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 def test_eyeballs_of_a_head_become_nodes(scene, gazing, tmp_path):
     """The head without eyes moves as with them; the eyes turn about their middles."""
     from mimetic.template.face_template import load_template

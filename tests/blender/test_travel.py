@@ -9,6 +9,8 @@ import bpy
 import pytest
 from test_clips import films, take_of  # noqa: F401 # films is a fixture
 
+pytestmark = pytest.mark.oldest_and_newest
+
 
 @pytest.fixture
 def project(scene, films, performance, tmp_path):  # noqa: F811

@@ -9,6 +9,8 @@ from panel_texts import drawn
 from test_bake_bound import hero, loaded  # noqa: F401
 from test_takes import KINDS, LEFT, edit, other, playing, rows, value  # noqa: F401
 
+pytestmark = pytest.mark.oldest_and_newest
+
 BUTTONS = {
     "play_take": {"take": "hero"},
     "blend_takes": {"take": "hero", "over": "again"},

@@ -5,6 +5,8 @@ import bpy
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.oldest_and_newest
+
 
 @pytest.fixture(scope="session")
 def library(tmp_path_factory):
