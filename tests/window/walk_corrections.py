@@ -167,7 +167,8 @@ def click_beside(walk: Walk) -> Steps:
         bpy.ops.clip.view_zoom_ratio(ratio=4.0)
     yield 0.5
     sidebar = region_of("UI")
-    place = sidebar.x + sidebar.width // 2, sidebar.y + sidebar.height - 98  # on a line of text
+    # On one of the lines of text about frame rates: a button would take the click
+    place = sidebar.x + sidebar.width // 2, sidebar.y + sidebar.height - 150
     invoke("CLIP_EDITOR", bpy.ops.mimetic.pin_skin)
     yield 0.3
     mouse("MOUSEMOVE", "NOTHING", place)
