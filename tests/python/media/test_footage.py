@@ -235,6 +235,17 @@ def limited(tmp_path, monkeypatch, command):
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(program))
 
 
+def test_a_warning_that_is_repeated_is_no_damage(tmp_path, monkeypatch):
+    footage = Footage(make_clip(tmp_path / "a.mp4"))
+    # As ffmpeg's log does with lines that are the same, unless it is told to repeat them
+    warning = "echo '[sws @ 0] [warning] deprecated pixel format' >&2"
+    counted = "echo '    Last message repeated 1 times' >&2"
+    limited(
+        tmp_path, monkeypatch, f'{warning}\ncase "$*" in *repeat+*) {warning};; *) {counted};; esac'
+    )
+    assert len(list(footage)) == 10 and not footage.warnings
+
+
 def test_a_lack_of_memory_is_called_that(tmp_path, monkeypatch):
     clip = make_clip(tmp_path / "a.mp4")
     footage = Footage(clip)

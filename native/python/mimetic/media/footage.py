@@ -111,8 +111,9 @@ class Footage:
         # turns pictures is made for one size
         kept = () if self.rotation else ("-reinit_filter", "0")
         others: set[tuple[int, int]] = set()
+        # "repeat": or a repeated warning is counted in a line without a level, as if it were worse
         command = [
-            *self._command("-v", "level+warning", *kept, begin=begin),
+            *self._command("-v", "repeat+level+warning", *kept, begin=begin),
             *("-vf", f"select=gte(n\\,{first - begin}){until},{colours}scale={width}:{height}"),
             *("-fps_mode", "passthrough", "-pix_fmt", "rgb24", "-f", "rawvideo"),
             *(() if last is None else ("-frames:v", str(last - first + 1))),
