@@ -7,7 +7,7 @@ import pytest
 from last_result import result
 from test_attach_muscles import new_head, offsets_of, put_landmarks
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 
 @pytest.fixture
@@ -30,7 +30,6 @@ def shapes_of(head) -> dict[str, np.ndarray]:
     return {entry.shape: offsets_of(head, entry.name) for entry in head.mimetic.units}
 
 
-@pytest.mark.newest
 def test_they_follow_a_landmark_as_if_they_were_new(head, parts):
     before = shapes_of(head)
     assert len(before) == 52

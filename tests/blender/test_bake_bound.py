@@ -9,7 +9,7 @@ import pytest
 from mathutils import Euler, Matrix
 from panel_texts import drawn
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 UNIT = 0.01  # metres in the object's unit: modelled in centimetres
 FRAMES = (1, 9, 24, 40)

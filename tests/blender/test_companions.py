@@ -8,7 +8,7 @@ from last_result import result
 from test_live import Session, clip  # noqa: F401
 from test_own_controls import character, key_curves, played  # noqa: F401
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 
 def mesh_with_keys(name: str, *keys: str) -> bpy.types.Object:

@@ -8,7 +8,7 @@ from last_result import result
 from test_face_bones import acting_file, rig  # noqa: F401
 from test_own_controls import character, played  # noqa: F401
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import pytest
 from mathutils import Vector
 from test_face_bones import rig  # noqa: F401
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 YAW = np.array([0, 20, -20, 0, 0, 15, -25, 30.0])  # degrees, to the subject's left
 PITCH = np.array([0, 0, 0, 12, -18, 10, -10, 0.0])  # up
@@ -81,7 +81,6 @@ def check(face) -> None:
     assert apart(right, wanted(YAW + OTHER, PITCH)).max() < ACROSS
 
 
-@pytest.mark.newest
 def test_the_eyes_of_rigifys_faces_look_as_the_actors_do(extension, rigify_file, looking):
     bpy.ops.wm.open_mainfile(filepath=str(rigify_file))
     bones, scene = extension("scene_out.face_bones"), bpy.context.scene

@@ -12,7 +12,7 @@ from test_bake_command import run_bake
 from test_face_bones import rig  # noqa: F401
 from test_few_keys import RATES
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 FRAMES = 120
 TOLERANCE = 0.02  # .2 mm, .2 degrees
@@ -127,7 +127,6 @@ def test_parts_of_a_rotation_have_keys_at_the_same_frames(extension, rig, acting
     assert all(one == frames[0] for one in frames)
 
 
-@pytest.mark.newest
 def test_the_command_makes_few_keys_on_bones_and_objects(
     extension,
     scene,

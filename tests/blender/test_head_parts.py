@@ -8,7 +8,7 @@ from last_result import result
 from mathutils import Matrix
 from test_attach_muscles import evaluated, new_head, offsets_of
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 NAMES = ("eye.L", "eye.R", "teeth_lower", "teeth_upper", "tongue")
 
@@ -197,7 +197,6 @@ def put_landmarks_of(head, parts) -> None:
     bpy.context.view_layer.update()
 
 
-@pytest.mark.newest
 def test_contact_of_lips_is_that_of_the_joined_head(joined, split, rows):
     bpy.context.view_layer.objects.active = split
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}

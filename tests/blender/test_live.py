@@ -269,6 +269,7 @@ def test_a_take_can_be_punched_in(scene, face, extension, monkeypatch):
     smile = curves_of(extension, face.data.shape_keys)[slider(SMILE)]
     assert smile.keyframe_points[0].co[0] == pytest.approx(50)
     assert not driven.session.is_recording
+    driven.session.end()
 
 
 def test_no_face_in_the_clip_changes_nothing(scene, face, tmp_path):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from conftest import MODULE
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 PRESSED = {"oris_close_upper": 1.0, "oris_close_lower": 1.0}
 CLOSED = {f"lid_{lid}.{side}": 1.0 for lid in ("upper", "lower") for side in "LR"}

@@ -11,7 +11,7 @@ from last_result import result
 from panel_texts import drawn
 from test_bake_command import run_bake
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 ALIKE = 0.8  # correlation of a key's curve by its name and by what muscles do
 UNITS = ("jawOpen", "mouthSmileLeft", "mouthSmileRight", "eyeBlinkLeft", "browInnerUp")
@@ -111,7 +111,6 @@ def test_known_names_play_the_face_and_the_object_its_head(
     assert "Walk" in bpy.data.actions
 
 
-@pytest.mark.newest
 def test_a_preset_is_heeded_by_the_command(extension, scene, character, played, tmp_path):
     save(tmp_path / "rig.blend", scene)
     row = {"control": "jawOpen", "gain": 0.5, "highest": 0.3}
@@ -158,7 +157,6 @@ def test_a_presets_strangers_are_said_and_it_is_refused_where_muscles_play(
         assert not (tmp_path / out).exists()
 
 
-@pytest.mark.newest
 def test_changed_names_play_the_same_through_muscles(
     extension,
     scene,

@@ -7,7 +7,7 @@ import pytest
 from mathutils import Matrix
 from test_head import world_at
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 UNITS = ("jawOpen", "browInnerUp")
 FRAMES = (1, 9, 24, 40)

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 FRAME, OTHER = 3, 20
 NAME = "mouth_corner.L"

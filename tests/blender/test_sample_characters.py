@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "sample_scenes"))
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 SCRIPT = Path(__file__).resolve().parents[2] / "sample_scenes" / "make_sliders.py"
 

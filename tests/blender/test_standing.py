@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_bake_bound import FRAMES, hero, loaded, world_at  # noqa: F401
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 SHOWN = 25  # the head is turned and away there
 

@@ -8,7 +8,7 @@ from test_bake_command import run_bake
 from test_face_bones import acting_file, rig  # noqa: F401
 from test_own_controls import character, played, save  # noqa: F401
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 
 @pytest.fixture
@@ -23,7 +23,6 @@ def table(path, fps=25.0):
     return read_face_csv(path, fps)
 
 
-@pytest.mark.newest
 def test_a_characters_own_keys_and_their_osc(extension, scene, character, played, target, tmp_path):  # noqa: F811
     from mimetic.performance.document import Performance
     from mimetic.puppet.osc_file import read_osc
@@ -60,7 +59,6 @@ def test_arkits_names_are_all_there_and_those_that_it_lacks_are_0(played, target
     assert not found.values[:, found.names.index("CheekPuff")].any()
 
 
-@pytest.mark.newest
 def test_bones_and_muscles_have_tables_too(extension, rig, scene, acting_file, tmp_path):  # noqa: F811
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "rig.blend"), check_existing=False)
     out = tmp_path / "a.csv"

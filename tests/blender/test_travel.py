@@ -9,7 +9,7 @@ import bpy
 import pytest
 from test_clips import films, take_of  # noqa: F401 # films is a fixture
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 
 @pytest.fixture

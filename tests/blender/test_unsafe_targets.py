@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 
 @pytest.fixture(scope="session")

@@ -8,7 +8,7 @@ from last_result import result
 from test_attach_muscles import evaluated
 from test_head_parts import NAMES, _piece, rows, split  # noqa: F401
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 RIM, TUBE, BEFORE = 2.4, 0.15, 2.4  # cm: of a lens, of its frame, before the eyeball's middle
 
@@ -71,7 +71,6 @@ def glasses(parts, split, rows):  # noqa: F811
     return wear(split, "glasses", *joined(pieces))
 
 
-@pytest.mark.newest
 def test_glasses_stay_as_they_are_and_are_named(glasses, split):  # noqa: F811
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
     assert result()["worn"] == ["glasses"]
@@ -87,7 +86,6 @@ def test_glasses_stay_as_they_are_and_are_named(glasses, split):  # noqa: F811
     assert any("glasses does not go where Bust goes" in note for note in result()["notes"])
 
 
-@pytest.mark.newest
 def test_glasses_are_taken_along_on_request_and_left_again(glasses, split):  # noqa: F811
     rest = evaluated(glasses).copy()
     assert bpy.ops.mimetic.attach_muscles(others="ALL") == {"FINISHED"}
@@ -112,7 +110,6 @@ def test_the_head_alone_leaves_all_others(split):  # noqa: F811
     assert all(bpy.data.objects[name].data.shape_keys is None for name in NAMES)
 
 
-@pytest.mark.newest
 def test_lashes_of_their_own_follow_the_lids(parts, split, rows):  # noqa: F811
     from mimetic.template.face_template import load_template
 

@@ -36,6 +36,30 @@ def rendered_clip():
 
 
 @pytest.fixture(scope="session")
+def rest_fit(rendered_clip):
+    """The fit of that clip in the frame that is taken as rest, found once for all tests."""
+    from mimetic.solve.clip_capture import find_face
+
+    return find_face(rendered_clip.footage)
+
+
+@pytest.fixture(scope="session")
+def captured_clip(rendered_clip, rest_fit):
+    """The capture of that whole clip with that fit."""
+    from mimetic.solve.clip_capture import capture
+
+    return capture(rendered_clip.footage, fit=rest_fit)
+
+
+@pytest.fixture(scope="session")
+def fit_of_frame_3(rendered_clip):
+    """The fit of that clip with frame 3 as rest, which was asked for."""
+    from mimetic.solve.clip_capture import find_face
+
+    return find_face(rendered_clip.footage, frame=3)
+
+
+@pytest.fixture(scope="session")
 def fetched_clip():
     """Path of a clip of scripts/fetch_footage by its name, fetched if missing."""
     from fetched_footage import fetched_clip

@@ -105,18 +105,27 @@ def test_a_dissolve_to_a_face_with_the_same_features_and_other_skin_is_held(
 
 
 @pytest.fixture(scope="module")
-def cut_to_another(fetched_clip):
-    """11 frames of a man at a webcam, 12 of another man in his place, 8 of the first again."""
+def cut_to_another(fetched_clip, tmp_path_factory):
+    """11 frames of a man at a webcam, 12 of another man in his place, 8 of the first again: the
+    clip, and the first man's fit."""
     for source in (CAP12, SINGLE):
         fetched_clip(source.footage)
     cut = AbuseClip("cut", CAP12, SINGLE)
     result = films.abused_clip(cut, load_template(), lambda _: None)
     parts = [Footage(result.footage).frames(*run) for run in ((40, 50), (51, 62), (101, 108))]
-    return np.stack([image for part in parts for _, image in part])
+    path = tmp_path_factory.mktemp("cut") / "cut.mp4"
+    encode(
+        np.stack([image for part in parts for _, image in part]),
+        path,
+        replace(TEST, fps=CAP12.fps, crf=17),
+    )
+    return path, clip_capture.find_face(path, frame=4)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_dissolve_between_scenes_is_held_and_noted(fetched_clip, method, tmp_path):
+@pytest.fixture(scope="module")
+def dissolve(fetched_clip, tmp_path_factory):
+    """70 frames of a man at a webcam that dissolve into another man's and back: the clip, the first
+    man's fit, and of each frame the other's share."""
     clips = [fetched_clip(source.footage) for source in (CAP12, SINGLE)]
     own, other = ([image for _, image in Footage(clip).frames(1, 70)] for clip in clips)
     height, width = own[0].shape[:2]
@@ -125,9 +134,15 @@ def test_a_dissolve_between_scenes_is_held_and_noted(fetched_clip, method, tmp_p
     for mine, its, part in zip(own, other, share, strict=True):
         its = np.asarray(Image.fromarray(its).resize((width, height)), dtype=float)
         frames.append(np.round((1 - part) * mine + part * its).astype(np.uint8))
-    path = tmp_path / "dissolve.mp4"
+    path = tmp_path_factory.mktemp("dissolve") / "dissolve.mp4"
     encode(np.stack(frames), path, replace(TEST, fps=CAP12.fps, crf=17))
-    result = METHODS[method](path, clip_capture.find_face(path, frame=4))
+    return path, clip_capture.find_face(path, frame=4), share
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_dissolve_between_scenes_is_held_and_noted(dissolve, method):
+    path, fit, share = dissolve
+    result = METHODS[method](path, fit)
     is_followed = result.quality >= HELD_QUALITY
     assert is_followed[share == 0].all()
     assert not is_followed[share > 0.2].any()
@@ -136,10 +151,8 @@ def test_a_dissolve_between_scenes_is_held_and_noted(fetched_clip, method, tmp_p
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_cut_to_another_person_is_held_and_noted(cut_to_another, method, tmp_path):
-    path = tmp_path / "cut.mp4"
-    encode(cut_to_another, path, replace(TEST, fps=CAP12.fps, crf=17))
-    result = METHODS[method](path, clip_capture.find_face(path, frame=4))
+def test_a_cut_to_another_person_is_held_and_noted(cut_to_another, method):
+    result = METHODS[method](*cut_to_another)
     is_followed = result.quality >= HELD_QUALITY
     assert is_followed.tolist() == 11 * [True] + 12 * [False] + 8 * [True]
     (note,) = [note for note in result.notes if "does not look like the fitted one" in note]

@@ -6,12 +6,12 @@ from clips import ffmpeg, make_clip
 from mimetic import InvalidInput
 from mimetic.fit.face_fit import FaceFit
 from mimetic.head.tracking import track_head
-from mimetic.solve.clip_capture import capture, find_face
+from mimetic.solve.clip_capture import capture
 
 
 @pytest.fixture(scope="module")
-def fit(rendered_clip):
-    return find_face(rendered_clip.footage, frame=3)
+def fit(fit_of_frame_3):
+    return fit_of_frame_3
 
 
 def filtered(clip, path, *options):

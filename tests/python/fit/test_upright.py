@@ -36,11 +36,11 @@ def test_where_no_face_is_found_the_search_tells_of_a_turned_one(rendered_clip, 
         find_face(turned)
 
 
-def test_rotation_that_the_file_tells_is_followed(rendered_clip, tmp_path):
+def test_rotation_that_the_file_tells_is_followed(rendered_clip, fit_of_frame_3, tmp_path):
     turned = filtered(rendered_clip.footage, tmp_path / "turned.mp4", FILTERS[1])
     path = tmp_path / "told.mp4"
     ffmpeg("-display_rotation", "90", "-i", turned, "-c", "copy", path)
-    expected = find_face(rendered_clip.footage, frame=3).head_pose
+    expected = fit_of_frame_3.head_pose
     np.testing.assert_allclose(
         find_face(path, frame=3).head_pose[:3, :3], expected[:3, :3], atol=0.03
     )

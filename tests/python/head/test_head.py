@@ -12,13 +12,12 @@ from mimetic.performance.rows import Rows
 from mimetic.report.head_drawing import HeadDrawing
 from mimetic.score.truth import Truth
 from mimetic.solve.capture_summary import CaptureSummary
-from mimetic.solve.clip_capture import find_face
 from mimetic.template.face_template import load_template
 
 
 @pytest.fixture(scope="module")
-def fit(rendered_clip):
-    return find_face(rendered_clip.footage)
+def fit(rest_fit):
+    return rest_fit
 
 
 def degrees_between(poses, others):

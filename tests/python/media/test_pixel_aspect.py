@@ -57,9 +57,9 @@ def test_a_turned_file_has_its_pixels_turned_too(tmp_path):
     assert turned.pixel_aspect == pytest.approx(3 / 4)
 
 
-def test_the_head_is_fitted_as_in_square_pixels(rendered_clip, tmp_path):
+def test_the_head_is_fitted_as_in_square_pixels(rendered_clip, fit_of_frame_3, tmp_path):
     path = squeezed(rendered_clip.footage, tmp_path / "a.mp4")
-    expected = find_face(rendered_clip.footage, frame=3)
+    expected = fit_of_frame_3
     at = rescaled(expected.head_place(), (320, 240), (240, 240))[0]
     fit = find_face(path, frames=(3, 3), near=tuple(at))
     assert tuple(fit.image_size) == (320, 240)

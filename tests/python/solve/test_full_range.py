@@ -155,8 +155,10 @@ def test_a_performance_with_an_extent_under_one_is_refused():
         make_performance(muscle_extent=np.full(36, 0.9))
 
 
-def test_corrections_move_the_skin_alike_however_far_a_muscle_extentes(rendered_clip, tmp_path):
-    usual = capture(rendered_clip.footage, frames=(1, 30))
+def test_corrections_move_the_skin_alike_however_far_a_muscle_extentes(
+    rendered_clip, rest_fit, tmp_path
+):
+    usual = capture(rendered_clip.footage, frames=(1, 30), fit=rest_fit)
     assert usual.muscle_extent is None
     column = int(usual.activations.max(axis=0).argmax())
     extent = np.ones(len(usual.muscles))

@@ -22,13 +22,13 @@ from mimetic.solve.clip_capture import capture, find_face
 
 
 @pytest.fixture(scope="module")
-def fit(rendered_clip):
-    return find_face(rendered_clip.footage)
+def fit(rest_fit):
+    return rest_fit
 
 
 @pytest.fixture(scope="module")
-def performance(rendered_clip, fit):
-    return capture(rendered_clip.footage, fit=fit)
+def performance(captured_clip):
+    return captured_clip
 
 
 def test_the_whole_clip_is_captured_frame_by_frame(rendered_clip, performance):

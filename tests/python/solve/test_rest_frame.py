@@ -18,13 +18,14 @@ FRAME = 3  # at rest
 
 
 @pytest.fixture(scope="module")
-def asked(rendered_clip):
-    return find_face(rendered_clip.footage, FRAME)
+def asked(fit_of_frame_3):
+    assert fit_of_frame_3.frame == FRAME
+    return fit_of_frame_3
 
 
 @pytest.fixture(scope="module")
-def chosen(rendered_clip):
-    return find_face(rendered_clip.footage)
+def chosen(rest_fit):
+    return rest_fit
 
 
 def test_a_frame_that_is_asked_for_is_joined_by_others_as_a_chosen_one(asked, chosen):

@@ -6,7 +6,6 @@ import pytest
 from clips import ffmpeg
 from mimetic import InvalidInput, _core
 from mimetic.media.footage import Footage
-from mimetic.solve.clip_capture import find_face
 from mimetic.solve.texture_size import COARSE, FINE, fine_contrast, tracker_options
 from mimetic.solve.tracking import UNMEASURED
 from mimetic.template.face_template import load_template
@@ -17,8 +16,8 @@ LAST = 30
 
 
 @pytest.fixture(scope="module")
-def fit(rendered_clip):
-    return find_face(rendered_clip.footage, frame=3)
+def fit(fit_of_frame_3):
+    return fit_of_frame_3
 
 
 def another(rendered_clip, path, *options, filters="null"):

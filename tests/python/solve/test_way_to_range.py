@@ -8,8 +8,8 @@ from mimetic.solve.walk import before_range
 
 
 @pytest.fixture(scope="module")
-def fit(rendered_clip):
-    return clip_capture.find_face(rendered_clip.footage, frame=3)
+def fit(fit_of_frame_3):
+    return fit_of_frame_3
 
 
 @pytest.mark.parametrize(

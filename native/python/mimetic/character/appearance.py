@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,11 +89,17 @@ def appearance_of(
     return _appearance(template, uv, texture, colour, light, iris)
 
 
+@lru_cache(maxsize=1)
 def painted(template: FaceTemplate) -> Appearance:
-    """Paint for a head that was never filmed."""
+    """Paint for a head that was never filmed, always the same: its arrays are read-only."""
     uv = face_paint.fill_square(template)
     texture = _bytes(face_paint.paint_skin(template, uv, TEXTURE_SIZE))
-    return _appearance(template, uv, texture, 255 * face_paint.SKIN)
+    appearance = _appearance(template, uv, texture, 255 * face_paint.SKIN)
+    arrays: list[NDArray] = [appearance.uv, appearance.surface_of_face]
+    arrays += [surface.texture for surface in appearance.surfaces if surface.texture is not None]
+    for array in arrays:
+        array.flags.writeable = False
+    return appearance
 
 
 def _appearance(
