@@ -138,11 +138,15 @@ def test_export_writes_what_the_function_writes(
     assert (tmp_path / "a.glb").read_bytes() == (tmp_path / "b.glb").read_bytes()
 
 
-def test_export_into_a_missing_folder_says_so(performance_file, tmp_path):
+def test_export_into_a_missing_folder_or_without_a_name_says_so(performance_file, tmp_path):
     bpy.ops.mimetic.load_performance(filepath=str(performance_file))
     bpy.ops.mimetic.bake()
     with pytest.raises(RuntimeError, match="nowhere"):
         bpy.ops.mimetic.export_gltf(filepath=str(tmp_path / "nowhere" / "a.glb"))
+    for export in (bpy.ops.mimetic.export_gltf, bpy.ops.mimetic.export_character):
+        with pytest.raises(RuntimeError, match="the file has no name"):
+            export(filepath=f"{tmp_path}/")
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
 
 
 @pytest.mark.newest

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator
@@ -7,6 +6,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from .. import native, outcome, scene_in, scene_out, targets
 from ..greyed import Greyed
+from ..named_file import named_file
 
 SUFFIXES = {"FBX": ".fbx", "USD": ".usdc", "ALEMBIC": ".abc"}
 
@@ -35,8 +35,8 @@ class MIMETIC_OT_export_character(Greyed, Operator, ExportHelper):
         return SUFFIXES[self.format]
 
     def execute(self, context):
-        path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), self.filename_ext)
         try:
+            path = named_file(self.filepath, self.filename_ext)
             loses = scene_out.exports.export(context.scene, path, scene_in.face_of(context))
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))

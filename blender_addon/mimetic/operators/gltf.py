@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from bpy.types import Operator
@@ -7,6 +6,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from .. import native, outcome, scene_in, scene_out, targets
 from ..greyed import Greyed
+from ..named_file import named_file
 
 
 class MIMETIC_OT_export_gltf(Greyed, Operator, ExportHelper):
@@ -21,8 +21,8 @@ class MIMETIC_OT_export_gltf(Greyed, Operator, ExportHelper):
     obstacle = staticmethod(targets.no_export)
 
     def execute(self, context):
-        path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".glb")
         try:
+            path = named_file(self.filepath, ".glb")
             left_out = scene_out.gltf.export(context.scene, path, scene_in.face_of(context))
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))

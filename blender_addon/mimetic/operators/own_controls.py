@@ -24,6 +24,7 @@ from .. import (
 )
 from ..greyed import Greyed
 from ..jobs import Job
+from ..named_file import named_file
 from ..scene_out import face_bones, own_controls, own_keys
 from .curve_options import CurveOptions
 from .key_options import KeyOptions
@@ -306,9 +307,9 @@ class MIMETIC_OT_save_controls(Preset, Operator):
     bl_label = "Save Controls"
 
     def execute(self, context):
-        path = Path(bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".json"))
         rows = control_rows.rows_of(context.active_object)
         try:
+            path = Path(named_file(self.filepath, ".json"))
             native.controls().save_preset(rows, path)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))

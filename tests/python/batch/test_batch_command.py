@@ -70,7 +70,9 @@ def test_a_full_disk_fails_the_clip_and_says_so(mimetic, clips, tmp_path):
 def test_a_batch_of_nothing_and_settings_that_cannot_be_are_bad_input(mimetic, tmp_path):
     ran = mimetic("batch", "--out", tmp_path)
     assert ran.returncode == 2 and "give the clips" in ran.stderr
-    for words in (["--processes", "0"], ["--frames", "9:2"], ["--few-keys", "7"]):
+    no_text = ["--blender-python", os.fsdecode(b"python-\xff")]
+    for words in (["--processes", "0"], ["--frames", "9:2"], ["--few-keys", "7"], no_text):
         ran = mimetic("batch", tmp_path / "a.mp4", "--out", tmp_path / "out", *words)
         assert ran.returncode == 2 and ran.stderr.count("\n") == 1, ran.stderr
+    assert "--blender-python" in ran.stderr and not list((tmp_path / "out").glob("*/*"))
     assert mimetic("batch", "--task", "../x", "--out", tmp_path).returncode == 2

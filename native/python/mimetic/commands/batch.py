@@ -12,7 +12,7 @@ from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch import flamenco, on_dask, open_job, plan
-from mimetic.batch.clip_list import Row, check_lens, rows_of
+from mimetic.batch.clip_list import Row, check_lens, is_text, rows_of
 from mimetic.batch.page import write_page
 from mimetic.batch.plan import PAGE, PLAN, Batch
 from mimetic.batch.pool import Outcome, Pool, num_cores
@@ -211,6 +211,10 @@ def prepared_batch(arguments: argparse.Namespace) -> Batch:
     if min(arguments.processes, 1 + arguments.retries) < 1:
         raise InvalidInput("--processes counts from 1, --retries from 0")
     python = str(arguments.blender_python.absolute()) if arguments.blender_python else ""
+    if not is_text(python):
+        raise InvalidInput(
+            f"--blender-python {python}: its name is no text (not UTF-8): name it by a link"
+        )
     character = arguments.character
     if character:
         rig, _, name = character.rpartition(":")
