@@ -342,7 +342,10 @@ def test_rows_are_mirrored_and_kept_as_a_preset(loaded, tmp_path):
     bpy.ops.mimetic.mirror_controls()
     assert row(loaded, "mouthSmileRight").gain == 1.5
     path = tmp_path / "hero.json"
+    with pytest.raises(RuntimeError, match="the file has no name"):
+        bpy.ops.mimetic.save_controls(filepath=f"{tmp_path}/")
     bpy.ops.mimetic.save_controls(filepath=str(path))
+    assert list(tmp_path.iterdir()) == [path]
     bpy.ops.mimetic.fit_controls(reset_edits=True)
     assert row(loaded, "mouthSmileRight").gain == 1.0
     loaded.data.shape_keys.key_blocks["Hair"].name = "Fur"

@@ -50,6 +50,17 @@ def clip() -> Path:
     return rendered / "demo.mp4"
 
 
+@pytest.fixture(scope="session")
+def rendered_clip():
+    """As the Python tests' `rendered_clip`: 50 frames of 320 x 240, from the cache."""
+    from mimetic.template.face_template import load_template
+
+    from evaluation.synthetic.clips import clip
+    from evaluation.synthetic.recipes import TEST
+
+    return clip(TEST, load_template())
+
+
 @pytest.fixture
 def work() -> Iterator[Path]:
     """In /tmp whatever TMPDIR says: the Debian folder shares it."""

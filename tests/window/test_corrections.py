@@ -5,7 +5,6 @@ import shutil
 from pathlib import Path
 
 import numpy as np
-import pytest
 import spoilt_clip
 from matplotlib.image import imread
 from mimetic.performance.document import Performance
@@ -17,21 +16,14 @@ CORRECTED = (38, 44)
 APART = 14  # pixels at least between pins: a nearer click would grab the one that is there
 
 
-@pytest.fixture(scope="module")
-def rendered():
-    """As the Python tests' `rendered_clip`: 50 frames of 320 x 240, from the cache."""
-    from mimetic.template.face_template import load_template
-
-    from evaluation.synthetic.clips import clip
-    from evaluation.synthetic.recipes import TEST
-
-    return clip(TEST, load_template())
-
-
-def test_a_spoilt_clip_is_corrected_by_mouse(folder, screen, extension, work, pictures, rendered):
+def test_a_spoilt_clip_is_corrected_by_mouse(
+    folder, screen, extension, work, pictures, rendered_clip
+):
     shutil.copy(extension, work)
-    truth = Truth.load(rendered.truth)
-    spoilt_clip.cover_mouth(rendered.footage, find_face(rendered.footage, 1), work / "spoilt.mp4")
+    truth = Truth.load(rendered_clip.truth)
+    spoilt_clip.cover_mouth(
+        rendered_clip.footage, find_face(rendered_clip.footage, 1), work / "spoilt.mp4"
+    )
     chosen = apart(truth)
     settings = {
         "extension": extension.name,

@@ -9,28 +9,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 from mimetic.performance.document import Performance
 
 FRAMES = 50
 
 
-@pytest.fixture(scope="session")
-def drawn_clip() -> Path:
-    """Of a drawn person: its pictures may be in the manual. The one that other tests have drawn."""
-    from mimetic.template.face_template import load_template
-
-    from evaluation.synthetic.clips import clip
-    from evaluation.synthetic.recipes import TEST
-
-    return clip(TEST, load_template()).footage
-
-
 def test_every_panel_draws_and_is_photographed(
-    folder, screen, extension, drawn_clip, work, pictures
+    folder, screen, extension, rendered_clip, work, pictures
 ):
     shutil.copy(extension, work)
-    shutil.copy(drawn_clip, work / "actor.mp4")
+    # Of a drawn person: its pictures may be in the manual
+    shutil.copy(rendered_clip.footage, work / "actor.mp4")
     settings = {
         "extension": extension.name,
         "clip": "actor.mp4",

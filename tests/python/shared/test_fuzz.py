@@ -18,7 +18,7 @@ from fuzz.samples import Sample
 from mimetic import InvalidInput
 
 TESTS = Path(__file__).resolve().parents[2]
-CASES = 150
+CASES = 250
 
 
 def test_no_changed_file_ends_in_a_bug():
