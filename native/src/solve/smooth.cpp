@@ -49,6 +49,27 @@ void add_acceleration(const std::vector<FrameEstimate>& estimates, const Eigen::
     }
 }
 
+/// Frames that nothing was seen of: a movement that was cut off comes to rest in them, where small
+/// accelerations alone would carry a head on for as long as it is lost. weights: of accelerations.
+void add_standstill(const std::vector<FrameEstimate>& estimates, const Eigen::VectorXd& weights,
+                    double frames, SequenceProblem& problem) {
+    // Frames in which an acceleration of one deviation brings about a speed of one: gaps of a few frames,
+    // which were measured at both ends, are bridged as before
+    constexpr double kGatherSpeed = 2;
+    const Eigen::VectorXd slow = weights / std::pow(kGatherSpeed * frames, 2);
+    for (std::size_t t = 0; t + 1 < estimates.size(); ++t) {
+        if (estimates[t].held || estimates[t + 1].held) {
+            const Eigen::VectorXd moved =
+                slow.cwiseProduct(state_of(estimates[t + 1]).difference_from(state_of(estimates[t])).flat);
+            problem.matrix.diagonal[t].diagonal() += slow;
+            problem.matrix.diagonal[t + 1].diagonal() += slow;
+            problem.matrix.first[t] -= slow;
+            problem.pull[t] += moved;
+            problem.pull[t + 1] -= moved;
+        }
+    }
+}
+
 /// What is moved in a frame or soon before or after it, M a frame: a movement rises and falls over several
 /// frames, and one that was pulled to rest until it is large would seem to begin late.
 Blocks shown_around(const std::vector<FrameEstimate>& estimates, const Blocks& steps,
@@ -140,6 +161,7 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
         problem.upper.push_back(upper - estimate.values);
     }
     add_acceleration(estimates, weights, problem);
+    add_standstill(estimates, weights, frames, problem);
     return problem;
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/solve/solve.hpp>
@@ -221,6 +222,35 @@ TEST(Smooth, GivesNoHeadroomForFramesThatWereNotMeasured) {
         estimate.held = estimate.values[0] > .9;
     }
     EXPECT_LE(peaks_of(smooth(estimates, two_muscles(), with_headroom(1.6)))[0], 1);
+}
+
+TEST(Smooth, BringsAHeadThatIsLostWhileItMovesToRest) {
+    constexpr int kFirst = 30, kLast = 50, kFrames = 130;  // measured in between
+    constexpr double kTurn = .025;                         // radians a frame
+    std::vector<FrameEstimate> estimates;
+    for (int t = 0; t < kFrames; ++t) {
+        const int at = std::clamp(t, kFirst, kLast);
+        FrameEstimate estimate =
+            measured({.1 + .02 * (at - kFirst), .3}, {.1 + .02 * (at - kFirst), .3}, .002);
+        estimate.camera_from_head.linear() =
+            Eigen::AngleAxisd(kTurn * (at - kFirst), Eigen::Vector3d::UnitY()).toRotationMatrix();
+        estimate.camera_from_head.translation() << .001 * at, 0, .5;
+        estimate.held = t != at;
+        if (estimate.held) estimate.information.setZero();
+        estimates.push_back(std::move(estimate));
+    }
+    const std::vector<FrameEstimate> smoothed = smooth(estimates, two_muscles());
+    const auto turn_from = [&](int frame, int other) {
+        return Eigen::AngleAxisd(
+                   smoothed[static_cast<std::size_t>(frame)].camera_from_head.linear().transpose() *
+                   smoothed[static_cast<std::size_t>(other)].camera_from_head.linear())
+            .angle();
+    };
+    EXPECT_LT(turn_from(0, kFirst), 4 * kTurn);
+    EXPECT_LT(turn_from(kFrames - 1, kLast), 4 * kTurn);
+    EXPECT_LT(smoothed.back().values[0], .62);
+    EXPECT_NEAR(turn_from(kFirst, kLast), kTurn * (kLast - kFirst), .02);
+    EXPECT_NEAR(smoothed.back().camera_from_head.translation().x(), .001 * kLast, .005);
 }
 
 TEST(Smooth, GivesBoundsThatAreKnownToThoseMusclesAloneThatStandAtTheFirst) {
