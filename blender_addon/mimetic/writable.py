@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from . import native
 
@@ -96,9 +97,14 @@ def no_tracks(clip: bpy.types.MovieClip) -> str:
 
 def own_object(scene: bpy.types.Scene, name: str) -> bpy.types.Object:
     """An object of this file by its name, which an override shares with what it overrides; else
-    whatever the scene has."""
+    whatever the scene has. Raises InvalidInput where that is nothing by now."""
     own = bpy.data.objects.get((name, None))
-    return own if own is not None and own.name in scene.objects else scene.objects[name]
+    found = own if own is not None and own.name in scene.objects else scene.objects.get(name)
+    if found is None:
+        raise native.invalid_input(
+            rpt_("{head} was deleted or renamed meanwhile: begin again").format(head=name)
+        )
+    return found
 
 
 def check(reason: str) -> None:

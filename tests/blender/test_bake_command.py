@@ -304,6 +304,39 @@ def test_a_bad_target_gets_status_2_and_one_line(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("camera", ["free", "in use", "none"])
+def test_footage_lies_behind_what_a_targets_own_camera_sees(
+    camera, performance_file, footage, rig_file, tmp_path
+):
+    bpy.ops.wm.open_mainfile(filepath=str(rig_file))
+    scene = bpy.context.scene
+    scene.camera = None
+    if camera != "none":
+        lens = bpy.data.cameras.new("Lens")
+        lens.lens = 61
+        if camera == "in use":
+            lens.background_images.new().alpha = 0.25
+        scene.camera = bpy.data.objects.new("Shot", lens)
+        scene.collection.objects.link(scene.camera)
+    target, out = tmp_path / "shot.blend", tmp_path / "out.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(target), check_existing=False)
+    ran = run_bake(
+        performance_file, "--out", out, "--target", f"{target}:rig", "--footage", footage
+    )
+    assert ran.returncode == 0, ran.stderr
+    reasons = {"in use": "Shot has images or curves of its own", "none": "the scene has no camera"}
+    said = f"behind no camera: {reasons[camera]}" if camera in reasons else "behind what Shot sees"
+    assert said in ran.stdout
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    if (seen_through := bpy.context.scene.camera) is not None:
+        (behind,) = seen_through.data.background_images
+        assert seen_through.data.lens == 61
+        assert behind.alpha == (1 if camera == "free" else 0.25)
+        film = behind.image  # whose frames are keyed: the scene's rate is another
+        assert bool(film) == (camera == "free")
+        assert film is None or os.path.samefile(bpy.path.abspath(film.filepath), footage)
+
+
 @pytest.mark.oldest_and_newest
 def test_a_blend_opens_in_a_view_that_shows_it(performance_file, footage, tmp_path):
     out = tmp_path / "face.blend"

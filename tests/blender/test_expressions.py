@@ -223,6 +223,31 @@ def test_what_the_face_does_is_kept_still_and_in_motion(extension, scene, face, 
         bpy.ops.mimetic.save_expression(action="raise", directory=str(tmp_path))
 
 
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"use_strips": True},
+        {"to": "CONTROLS"},
+        {"to": "CONTROLS", "use_contact": True},
+        {"to": "CONTROLS", "use_strips": True},
+    ],
+    ids=lambda options: " ".join(options),
+)
+def test_a_motion_is_kept_of_whatever_moves_the_face(extension, scene, bake, performance, options):
+    expressions = extension("scene_out").expressions
+    documents = []
+    for name, how in (("curves", {}), ("shown", options)):
+        bake(performance, name, **how)
+        scene.frame_set(7)
+        keep = dict(name="kept", kind="MOTION", frame_first=2, frame_last=39)
+        assert bpy.ops.mimetic.keep_expression(**keep) == {"FINISHED"}
+        assert scene.frame_current == 7
+        documents.append(expressions.document_of(scene.mimetic.expression))
+    first, second = documents
+    assert len(first.channels) > 30 and second.channels == first.channels
+    np.testing.assert_allclose(second.values, first.values, atol=2e-4)  # of bones
+
+
 def test_keys_that_were_renamed_are_found(scene, face, smile):
     blocks = face.data.shape_keys.key_blocks
     blocks["zygomaticus_major.L"].name = "My Smile"

@@ -166,3 +166,28 @@ def test_bones_of_an_overridden_rig_play_by_its_own_table(
     assert row.is_edited
     bpy.context.scene.frame_set(6)
     np.testing.assert_allclose(np.array(rig.pose.bones["jaw"].matrix_basis), turned, atol=1e-6)
+
+
+def test_an_overridden_collection_is_compared_beside_it(extension, bake, performance, tmp_path):
+    """It takes no objects: the copy is in the scene's own."""
+    face = bake(performance)
+    cast = bpy.data.collections.new("Cast")
+    cast.objects.link(face)
+    bpy.context.scene.collection.objects.unlink(face)
+    bpy.context.scene.collection.children.link(cast)
+    library = str(tmp_path / "cast.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=library)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(library, link=True) as (_, target):
+        target.collections = ["Cast"]
+    scene, linked = bpy.context.scene, target.collections[0]
+    scene.collection.children.link(linked)
+    linked.override_hierarchy_create(scene, bpy.context.view_layer, do_fully_editable=True)
+    scene.collection.children.unlink(linked)
+    (face,) = (obj for obj in scene.objects if obj.type == "MESH")
+    assert face.users_collection[0].override_library
+    bpy.context.view_layer.objects.active = face
+    assert bpy.ops.mimetic.compare_take() == {"FINISHED"}
+    twin = bpy.data.objects[result()["copy"]]
+    assert list(twin.users_collection) == [scene.collection]
+    assert playing(extension, twin) == "hero"

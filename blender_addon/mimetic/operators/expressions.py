@@ -71,7 +71,7 @@ class MIMETIC_OT_keep_expression(Greyed, Operator):
                 document = expressions.keep_still(face, rate)
             else:
                 first, last = self.frame_first, self.frame_last
-                document = expressions.keep_motion(face, first, last, rate)
+                document = expressions.keep_motion(context.scene, face, first, last, rate)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
         action = expressions.new_asset(

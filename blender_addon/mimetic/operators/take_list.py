@@ -14,9 +14,9 @@ def _names(self, context, text) -> list[str]:
     return [row.name for row in obj.mimetic.takes] if obj else []
 
 
-def _with_gone_keys(message: str, obj, *rows) -> str:
-    gone = scene_out.take_list.gone_keys(obj, *rows)
-    return f"{message}; {gone}" if gone else message
+def _with_remarks(message: str, obj, *rows) -> str:
+    takes = scene_out.take_list
+    return "; ".join(filter(None, (message, takes.gone_keys(obj, *rows), takes.shared(obj))))
 
 
 class OnTake(Greyed):
@@ -57,7 +57,7 @@ class MIMETIC_OT_play_take(OnTake, Operator):
             message += rpt_(
                 "; contact and detail were made for a later bake and rest: bake it again"
             )
-        return _with_gone_keys(message, obj, row), {}
+        return _with_remarks(message, obj, row), {}
 
 
 class MIMETIC_OT_remove_take(OnTake, Operator):
@@ -75,7 +75,7 @@ class MIMETIC_OT_remove_take(OnTake, Operator):
             message += rpt_(", with {actions}").format(actions=", ".join(actions))
         else:
             message += rpt_("; its actions are used elsewhere")
-        return message, {"actions": actions}
+        return _with_remarks(message, obj), {"actions": actions}
 
 
 class MIMETIC_OT_compare_take(OnTake, Operator):
@@ -93,7 +93,7 @@ class MIMETIC_OT_compare_take(OnTake, Operator):
         message = rpt_("{copy} plays {take} beside {original}").format(
             copy=twin.name, take=name, original=obj.name
         )
-        message = _with_gone_keys(message, twin, twin.mimetic.takes[name])
+        message = _with_remarks(message, twin, twin.mimetic.takes[name])
         return message, {"copy": twin.name}
 
 
@@ -128,7 +128,7 @@ class MIMETIC_OT_blend_takes(OnTake, Operator):
         message = rpt_("{take} over {other} at {influence:.0%}").format(
             take=row.name, other=under.name, influence=self.influence
         )
-        return _with_gone_keys(message, obj, under, row), {"over": under.name}
+        return _with_remarks(message, obj, under, row), {"over": under.name}
 
 
 class MIMETIC_OT_mark_lost(OnTake, Operator):

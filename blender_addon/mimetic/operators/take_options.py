@@ -84,6 +84,8 @@ class TakeOptions:
             remark += rpt_("; {count} lost ranges are marked in the timeline").format(
                 count=num_ranges
             )
+        if shared := takes.shared(obj):
+            remark += f"; {shared}"
         self.facts = {**(self.facts or {}), "take": new, "num_ranges": num_ranges}
         return remark
 

@@ -24,15 +24,19 @@ NOTED = "mimetic_baked_curves"  # of an action: by path and index, the sum of a 
 def replace(id_block: bpy.types.ID, keyed: Collection[tuple[str, int]]) -> int:
     """Removes curves of a bake before that are as it left them, but for those that this bake keyed
     (path and index of each), puts what they moved to rest, and keeps which are a bake's now.
-    Returns how many it removed."""
+    Returns how many it removed. What was renamed since is known by its curve's keys."""
     action, holder = id_block.animation_data.action, compat.curves(id_block)
     noted, sums = json.loads(action.get(NOTED, "{}")), {}
     num_removed = 0
+    names = {_name(curve) for curve in holder.fcurves}
+    left = {(_unnamed(name), total) for name, total in noted.items() if name not in names}
     for curve in list(holder.fcurves):
         path, index = curve.data_path, curve.array_index
         if (path, index) in keyed:
             sums[_name(curve)] = _sum_of(curve)
-        elif noted.get(_name(curve)) == _sum_of(curve):
+        elif _sum_of(curve) == noted.get(_name(curve)) or (
+            _name(curve) not in noted and (_unnamed(_name(curve)), _sum_of(curve)) in left
+        ):
             holder.fcurves.remove(curve)
             rest_pose.put_to_rest(id_block, path, index)
             num_removed += 1
@@ -58,6 +62,11 @@ def at_rest(num_removed: int, name: str) -> str:
 
 def _name(curve: bpy.types.FCurve) -> str:
     return f"{curve.data_path} {curve.array_index}"
+
+
+def _unnamed(name: str) -> str:
+    """A curve's name without that of the bone or shape key that it moves."""
+    return name.removeprefix(rest_pose.moved_by(name))
 
 
 def _sum_of(curve: bpy.types.FCurve) -> int:

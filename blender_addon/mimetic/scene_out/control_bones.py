@@ -10,6 +10,7 @@ import bpy
 from mathutils import Vector
 
 from .. import native
+from .switched_on import switched_on
 
 NEAR = 5e-4  # metres: bones are moved if they shall stand farther off
 LENGTHS = {"head": 0.1, "jaw": 0.012, "eye": 0.03, "gaze": 0.03}
@@ -90,15 +91,16 @@ def _editing(control: bpy.types.Object):
     mode = active.mode if active is not None else "OBJECT"
     if mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
-    view_layer.objects.active = control
-    bpy.ops.object.mode_set(mode="EDIT")
-    try:
-        yield control.data.edit_bones
-    finally:
-        bpy.ops.object.mode_set(mode="OBJECT")
-        view_layer.objects.active = active
-        if mode != "OBJECT":
-            bpy.ops.object.mode_set(mode=mode)
+    with switched_on(bpy.context.scene, control):
+        view_layer.objects.active = control
+        bpy.ops.object.mode_set(mode="EDIT")
+        try:
+            yield control.data.edit_bones
+        finally:
+            bpy.ops.object.mode_set(mode="OBJECT")
+            view_layer.objects.active = active
+            if mode != "OBJECT":
+                bpy.ops.object.mode_set(mode=mode)
 
 
 def _collect(armature: bpy.types.Armature, layout) -> None:

@@ -121,6 +121,8 @@ def ensure(scene: bpy.types.Scene, face: bpy.types.Object) -> bpy.types.Object:
     control = of(face)
     is_new = control is None
     if is_new:
+        if is_lost(face):
+            remove(face)
         name = f"{face.name} Controls"
         control = bpy.data.objects.new(name, bpy.data.armatures.new(name))
         for collection in face.users_collection:
@@ -139,14 +141,15 @@ def remove(face: bpy.types.Object) -> None:
     """Takes the control object away; the face stays as it looks, and where it stands. A control
     object that another face has too goes on driving that."""
     control_drivers.release(face)
-    control = of(face)
-    if control is not None:
-        if face.parent == control:
-            stands = world.matrix(face)
-            face.parent = None
-            face.matrix_world = stands
-        if other_face(face) is None:
-            _delete(control)
+    # One that was deleted too (X): out of every scene, it goes on moving what hangs on it
+    control = face.mimetic.control_object
+    if control is not None and face.parent == control:
+        stands = world.matrix(face)
+        face.parent, face.parent_type, face.parent_bone = None, "OBJECT", ""
+        face.matrix_parent_inverse = Matrix.Identity(4)
+        face.matrix_world = stands
+    if of(face) is not None and other_face(face) is None:
+        _delete(control)
     face.mimetic.control_object, face.mimetic.has_controls = None, False
 
 

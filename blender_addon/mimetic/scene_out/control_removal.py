@@ -9,7 +9,8 @@ import bpy
 import numpy as np
 
 from .. import compat, world, writable
-from . import actions, control_drivers, control_object
+from . import actions, control_drivers, control_object, strip_curves
+from .switched_on import switched_on
 
 
 @dataclass
@@ -28,25 +29,37 @@ def remove(scene: bpy.types.Scene, face: bpy.types.Object, use_curves: bool) -> 
     control, other = control_object.of(face), control_object.other_face(face)
     if other is not None and other.data == face.data:  # drivers are the mesh's
         writable.check(writable.no_own_mesh(face))
-    sampled = sample(scene, face) if use_curves and control is not None else None
-    take = control.animation_data.action.name if sampled else ""
-    if control is not None and control.animation_data is not None and other is None:
-        actions.put_away(control)
-    control_object.remove(face)
+    with switched_on(scene, face):
+        sampled = sample(scene, face) if use_curves and control is not None else None
+        take = _uppermost(control).name if sampled else ""
+        if control is not None and control.animation_data is not None and other is None:
+            _put_away(control)
+        control_object.remove(face)
     if sampled is None:
         return 0
     return key(face, take, sampled)
 
 
+def _uppermost(control: bpy.types.Object) -> bpy.types.Action:
+    """Of the actions that play it, the one over the others."""
+    return control.animation_data.action or strip_curves.playing(control)[-1].action
+
+
+def _put_away(control: bpy.types.Object) -> None:
+    """Its actions stay in the file, those of strips too."""
+    actions.put_away(control)
+    for track in control.animation_data.nla_tracks:
+        for strip in track.strips:
+            if strip.action is not None:
+                strip.action.use_fake_user = True
+
+
 def sample(scene: bpy.types.Scene, face: bpy.types.Object) -> Sampled | None:
-    """The face in every frame of its control object's take; None where it has none."""
-    control = control_object.of(face)
-    holder = compat.curves(control)
-    if holder is None or not len(holder.fcurves):
+    """The face in every frame in which an action or strips play its control object; None where
+    none does."""
+    frames = _frames(control_object.of(face))
+    if frames is None:
         return None
-    first = int(np.floor(min(curve.range()[0] for curve in holder.fcurves)))
-    last = int(np.ceil(max(curve.range()[1] for curve in holder.fcurves)))
-    frames = np.arange(first, last + 1)
     names = sorted(control_drivers.keys_driven(face))
     rows, places = [], []
     current_frame = scene.frame_current_final
@@ -68,6 +81,17 @@ def sample(scene: bpy.types.Scene, face: bpy.types.Object) -> Sampled | None:
         np.array([place.translation for place in places]),
         np.array(quaternions),
     )
+
+
+def _frames(control: bpy.types.Object) -> np.ndarray | None:
+    """N scene frames, from the first key or strip to the last."""
+    holder = compat.curves(control)
+    spans = [curve.range() for curve in holder.fcurves] if holder is not None else []
+    spans += [(strip.frame_start, strip.frame_end) for strip in strip_curves.playing(control)]
+    if not spans:
+        return None
+    first, last = min(low for low, _ in spans), max(high for _, high in spans)
+    return np.arange(int(np.floor(first)), int(np.ceil(last)) + 1)
 
 
 def key(face: bpy.types.Object, take: str, sampled: Sampled) -> int:

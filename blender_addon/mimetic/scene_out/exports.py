@@ -59,6 +59,8 @@ class Format:
     loses: str  # for the user
     pictures: str = ""  # "inside" the file, "beside" it in a folder, or none
     subdivides: bool = False  # whether it says itself that a mesh is to be subdivided
+    # Whether its exporter writes the scene's own range, which no scene has before frame 0
+    begins_at_0: bool = True
     # Whether a file is not cut off: of an exporter that does not report a full disk
     is_whole: Callable[[Path], bool] = _is_anything
 
@@ -136,6 +138,7 @@ FORMATS = {
         lambda: bpy.app.build_options.alembic,
         _alembic,
         "every frame's vertices without shape keys, materials and pictures: nothing can be edited",
+        begins_at_0=False,
     ),
 }
 
@@ -167,9 +170,10 @@ def export(
     """Writes a face, or a character with its rig, whole or not at all; says what the format loses,
     and what is hidden.
 
-    The file has the frames of the character's curves, the scene's range where it has none; the
-    scene stays as it is. Raises what bad input raises where this Blender cannot write it or the
-    character is hidden, and OSError.
+    The file has the frames of the character's curves, the scene's range where it has none; those
+    before frame 0 that the format's exporter cannot write are said. The scene stays as it is.
+    Raises what bad input raises where this Blender cannot write it, the character is hidden or all
+    of its motion is before frame 0, and OSError.
     """
     path = Path(path)
     if reason := no_format(path.suffix):
@@ -177,9 +181,9 @@ def export(
     kind = FORMATS[path.suffix]
     with selection.scene_at_hand(scene):
         objects = selection.character_objects(scene, character)
-        _write(scene, path, character, objects, kind)
+        cut = _write(scene, path, character, objects, kind)
         left_out = selection.left_out(scene, character)
-    return "; ".join(filter(None, (f"{kind.name}: {rpt_(kind.loses)}", left_out)))
+    return "; ".join(filter(None, (cut, f"{kind.name}: {rpt_(kind.loses)}", left_out)))
 
 
 def _write(
@@ -188,7 +192,8 @@ def _write(
     character: bpy.types.Object,
     objects: list[bpy.types.Object],
     kind: Format,
-) -> None:
+) -> str:
+    """Returns which frames were left out, or nothing."""
     files = native.whole_file()
     with files.file_with_textures(path) as aside:
         # What is not named after the file goes with the folder
@@ -205,11 +210,31 @@ def _write(
             if kind.pictures:
                 stack.enter_context(pictures.as_files(objects, aside.with_name(folder)))
             first, last = stack.enter_context(_whole_range(scene, objects))
+            cut = _before_0(first, last, kind)
             try:
                 kind.write(str(aside), first, last)
             except RuntimeError as error:  # what the exporter reported
                 raise exporter_reports.reported(error, path) from None
         _check_written(aside, path, kind)
+    return cut
+
+
+def _before_0(first: int, last: int, kind: Format) -> str:
+    """What to say of frames that an exporter leaves out, or nothing; raises what bad input raises
+    where it is all."""
+    if first >= 0 or not kind.begins_at_0:
+        return ""
+    if last < 0:
+        raise native.invalid_input(
+            rpt_(
+                "all motion is before frame 0, where Blender's {format} exporter begins: move it "
+                "by {count} frames or more (Retime, Later)"
+            ).format(format=kind.name, count=-first)
+        )
+    return rpt_(
+        "frames {first} to -1 are left out, as Blender's {format} exporter begins at frame 0: to "
+        "have them, move the motion by {count} frames or more (Retime, Later)"
+    ).format(first=first, format=kind.name, count=-first)
 
 
 def _check_written(aside: Path, path: Path, kind: Format) -> None:
@@ -258,7 +283,8 @@ def _is_said(last: bpy.types.Modifier) -> bool:
 def _whole_range(
     scene: bpy.types.Scene, objects: list[bpy.types.Object]
 ) -> Iterator[tuple[int, int]]:
-    """The frames of the objects' curves as the scene's range for the while."""
+    """The first and the last frame of the objects' curves, else of the scene's range; for the while
+    that is these, from frame 0 on."""
     before = scene.frame_start, scene.frame_end, scene.frame_current_final
     holders = [compat.curves(block) for obj in objects for block in (obj, _keys(obj)) if block]
     ends = [
@@ -268,10 +294,12 @@ def _whole_range(
         for curve in holder.fcurves
         for end in curve.range()
     ]
+    first, last = before[:2]
     if ends:
-        scene.frame_start, scene.frame_end = math.floor(min(ends)), math.ceil(max(ends))
+        first, last = math.floor(min(ends)), math.ceil(max(ends))
+        scene.frame_start, scene.frame_end = max(first, 0), max(last, 0)
     try:
-        yield scene.frame_start, scene.frame_end
+        yield first, last
     finally:
         scene.frame_start, scene.frame_end, current = before
         scene.frame_set(math.floor(current), subframe=current % 1)

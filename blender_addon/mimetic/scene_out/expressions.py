@@ -7,6 +7,7 @@ face, so that it serves every face. Frame 0 is the expression's first row.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import bpy
@@ -14,7 +15,7 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
-from . import actions, by_hand, contact
+from . import actions, by_hand, contact, own_keys, strip_curves
 
 KIND = "mimetic_expression"  # of an action: STILL or MOTION
 RATE = "mimetic_rate"  # scene frames a second that its keys were laid at
@@ -189,29 +190,48 @@ def keep_still(obj: bpy.types.Object, rate: float):
     return _kept(obj, list(values), rows, rate)
 
 
-def keep_motion(obj: bpy.types.Object, first: int, last: int, rate: float):
-    """The document of what the face's curves do from frame to frame; raises InvalidInput."""
-    holder = compat.curves(obj.data.shape_keys)
-    if holder is None or not len(holder.fcurves):
+def keep_motion(scene: bpy.types.Scene, obj: bpy.types.Object, first: int, last: int, rate: float):
+    """The document of what the face's curves, its strips or its control object do from frame to
+    frame; raises InvalidInput."""
+    keys, names = obj.data.shape_keys, _own_keys(obj)
+    holder = compat.curves(keys)
+    is_shown = strip_curves.plays(keys) or not own_keys.driven_keys(keys).isdisjoint(names.values())
+    if not is_shown and (holder is None or not len(holder.fcurves)):
         raise native.invalid_input(
             rpt_("{name} has no curves: press Bake, or keep a still").format(name=obj.name)
         )
     if last - first < 2:
         raise native.invalid_input("A motion needs three frames or more")
+    frames, own = np.arange(first, last + 1), [keys.key_blocks[name] for name in names.values()]
+    rows = _shown(scene, own, frames) if is_shown else _by_curves(holder, own, frames)
+    return _kept(obj, *_as_channels(obj, list(names), rows), rate)
+
+
+def _by_curves(holder, own: list[bpy.types.ShapeKey], frames) -> np.ndarray:
+    """N x S: values of keys by their curves."""
     by_path = {curve.data_path: curve for curve in holder.fcurves}
-    names, blocks = _own_keys(obj), obj.data.shape_keys.key_blocks
-    frames = np.arange(first, last + 1)
     columns = []
-    for name in names.values():
-        curve = by_path.get(_path(name))
+    for key in own:
+        curve = by_path.get(_path(key.name))
         # An eye turns by several shapes: one without a curve counts as it stands
         columns.append(
-            np.full(len(frames), blocks[name].value)
+            np.full(len(frames), key.value)
             if curve is None
             else np.array([curve.evaluate(frame) for frame in frames])
         )
-    channels, rows = _as_channels(obj, list(names), np.array(columns).T)
-    return _kept(obj, channels, rows, rate)
+    return np.array(columns).T
+
+
+def _shown(scene: bpy.types.Scene, own: list[bpy.types.ShapeKey], frames) -> np.ndarray:
+    """N x S: values of keys as frames show them; the scene's frame stays."""
+    current, rows = scene.frame_current_final, []
+    try:
+        for frame in frames:
+            scene.frame_set(int(frame))
+            rows.append([key.value for key in own])
+    finally:
+        scene.frame_set(math.floor(current), subframe=current % 1)
+    return np.array(rows)
 
 
 def _kept(obj: bpy.types.Object, channels: list[str], rows: np.ndarray, rate: float):

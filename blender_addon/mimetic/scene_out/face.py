@@ -49,11 +49,13 @@ def find(scene, performance) -> bpy.types.Object | None:
 
 
 def _face_of(scene, mark: str) -> bpy.types.Object | None:
-    """The scene's face if it may be that of the footage with a fingerprint, or another that is."""
+    """The scene's face if it may be that of the footage with a fingerprint, or another that is:
+    the active one first, as a face that was duplicated is of the footage twice."""
     current = scene.mimetic.face
     if not mark or (current is not None and current.mimetic.footage in ("", mark)):
         return current
-    others = (obj for obj in scene.objects if obj.mimetic.footage == mark)
+    others = [obj for obj in scene.objects if obj.mimetic.footage == mark]
+    others.sort(key=lambda obj: obj != bpy.context.view_layer.objects.active)
     return next((o for o in others if o.mode != "EDIT" and not writable.no_shapes(o)), None)
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves of takes, and the shape keys that they move by name. Blender follows a key's new name in
-actions that are assigned or in the NLA; those of takes that wait keep the old one."""
+"""Curves of takes, and the shape keys and bones that they move by name. Blender follows a new name
+in actions that are assigned or in the NLA; those of takes that wait keep the old one."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from . import by_hand
 
 KEYS = "KEYS"  # the part of a take that is on the mesh's own shape keys
 MOVED = re.compile(r'key_blocks\["((?:[^"\\]|\\.)*)"\]')
+BONE = re.compile(r'pose\.bones\["((?:[^"\\]|\\.)*)"\]')
 
 
 def follow(obj: bpy.types.Object) -> None:
@@ -53,6 +54,19 @@ def gone(row, blocks: Mapping[str, bpy.types.ID]) -> list[str]:
     return list(dict.fromkeys(names))
 
 
+def gone_bones(row, blocks: Mapping[str, bpy.types.ID]) -> dict[str, list[str]]:
+    """Names of bones that a take moves, and what it plays on no longer has, by that one's name."""
+    found = {}
+    for part in row.parts:
+        armature = blocks.get(part.name)
+        if not isinstance(armature, bpy.types.Object) or armature.pose is None:
+            continue
+        moved = (_named(BONE, curve.data_path) for curve in _curves_of(part))
+        if names := [name for name in moved if name and name not in armature.pose.bones]:
+            found[armature.name] = list(dict.fromkeys(names))
+    return found
+
+
 def lasting_path(path: str, shapes: Mapping[str, str]) -> str:
     """A curve's path with a key's shape, of `by_hand.shapes_by_name`, instead of its name."""
     return _renamed(path, shapes[name]) if (name := key_of(path)) in shapes else path
@@ -60,7 +74,16 @@ def lasting_path(path: str, shapes: Mapping[str, str]) -> str:
 
 def key_of(path: str) -> str:
     """Name of the shape key that a curve with a path moves, or nothing."""
-    found = MOVED.match(path)
+    return _named(MOVED, path)
+
+
+def without_bone(path: str) -> str:
+    """A curve's path without the name of the bone that it moves, if it moves one."""
+    return BONE.sub("pose.bones", path, count=1)
+
+
+def _named(pattern: re.Pattern, path: str) -> str:
+    found = pattern.match(path)
     return bpy.utils.unescape_identifier(found[1]) if found else ""
 
 

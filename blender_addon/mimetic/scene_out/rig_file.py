@@ -9,12 +9,13 @@ from pathlib import Path
 
 import bpy
 
-from .. import native, scene_in, takes
+from .. import native, scene_in, takes, writable
 from . import (
     arkit_target,
     bound,
     bound_controls,
     bound_eyes,
+    camera,
     clip,
     contact_curves,
     control_object,
@@ -50,9 +51,9 @@ def write(
     `actions.key_shapes` has them, and `MotionKeys` of bones and objects; as_arkit, ARKit's 52
     shapes for the file, and with_eye_nodes, eyeballs as objects that turn, both for other programs.
     curves: `takes.load_edited`'s. The file keeps its own rate, range and everything else; its
-    scripts do not run. Other files than .blend have the object, its rig and what hangs on them, a
-    control object's sliders by themselves; an .npz has the values of its controls alone
-    (`control_values_file`).
+    scripts do not run; `_show_footage` puts the footage behind. Other files than .blend have the
+    object, its rig and what hangs on them, a control object's sliders by themselves; an .npz has
+    the values of its controls alone (`control_values_file`).
     Returns what was written.
     """
     performance = takes.load_edited(performance_path, curves)
@@ -75,10 +76,12 @@ def write(
             raise native.invalid_input(f"{where}: {reason}")
         eyes = bound_eyes.BoundEyes(scene, obj)
     text = _bake(scene, performance, take, obj, where, settings, footage, few_keys)
-    frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
+    timing = scene_in.timing(scene, footage)
+    frames = scene_in.scene_frames(performance, timing)
     how = _settings_text(*few_keys)
     take_list.note(obj, performance, take, performance_path, frames, how, before)
     if not is_exported:
+        text += _show_footage(scene, footage, timing, performance, take)
         save(Path(out).absolute())
         return text
     with ExitStack() as stack:
@@ -120,6 +123,26 @@ def _bake(
     summary = _turn(scene, performance, take, target, settings, footage, keys)
     text = f"{summary.num_curves} curves on {summary.where}, {_frames(summary)}"
     return "; ".join(filter(None, (text, keys.text())))
+
+
+def _show_footage(scene: bpy.types.Scene, footage, timing, performance, take: str) -> str:
+    """The footage behind what the file's own camera sees, which looks as before else.
+
+    Returns what to say of it, if there is any.
+    """
+    if footage is None:
+        return ""
+    seen_through = scene.camera
+    if seen_through is None or seen_through.type != "CAMERA":
+        reason = "the scene has no camera"
+    elif not (reason := writable.no_lens(seen_through)):
+        animation = seen_through.data.animation_data
+        if seen_through.data.background_images or (animation and animation.action):
+            reason = f"{seen_through.name} has images or curves of its own"
+    if reason:
+        return f"; {footage.name} is loaded and behind no camera: {reason}"
+    camera.show_footage(seen_through, footage, timing, performance, take)
+    return f"; {footage.name} behind what {seen_through.name} sees"
 
 
 def _settings_text(tolerance: float, by_phases: bool) -> str:

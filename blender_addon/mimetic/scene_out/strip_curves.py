@@ -25,7 +25,7 @@ def with_curves(scene: bpy.types.Scene, objects: Iterable[bpy.types.Object]) -> 
 
     Strips that are open in tweak mode stay as they are.
     """
-    blocks = [block for obj in objects for block in (obj, _keys(obj)) if block and _plays(block)]
+    blocks = [block for obj in objects for block in (obj, _keys(obj)) if block and plays(block)]
     if not blocks:
         yield
         return
@@ -54,12 +54,20 @@ def with_curves(scene: bpy.types.Scene, objects: Iterable[bpy.types.Object]) -> 
             bpy.data.actions.remove(own)
 
 
+def playing(block: bpy.types.ID) -> list[bpy.types.NlaStrip]:
+    """Strips of actions that move a block, those that lie over others last."""
+    animation = block.animation_data
+    tracks = animation.nla_tracks if animation is not None and animation.use_nla else ()
+    strips = [strip for track in tracks if not track.mute for strip in track.strips]
+    return [strip for strip in strips if strip.action is not None and not strip.mute]
+
+
 def _keys(obj: bpy.types.Object) -> bpy.types.Key | None:
     return getattr(obj.data, "shape_keys", None)
 
 
-def _plays(block: bpy.types.ID) -> bool:
-    """Whether strips move a block."""
+def plays(block: bpy.types.ID) -> bool:
+    """Whether strips move a block; strips that are open in tweak mode count as none."""
     animation = block.animation_data
     return bool(
         animation is not None
@@ -73,11 +81,9 @@ def _curves(block: bpy.types.ID) -> dict[Curve, tuple[float, float]]:
     """What strips and the action on top of them move, and from which frame to which."""
     animation = block.animation_data
     spans: dict[Curve, tuple[float, float]] = {}
-    strips = [strip for track in animation.nla_tracks if not track.mute for strip in track.strips]
     played = [
         (strip.action, compat.slot_of(strip), strip.frame_start, strip.frame_end)
-        for strip in strips
-        if strip.action is not None and not strip.mute
+        for strip in playing(block)
     ]
     if animation.action is not None:
         played.append((animation.action, compat.slot_of(animation), *animation.action.frame_range))

@@ -35,13 +35,16 @@ def stand_beside(scene: bpy.types.Scene, face: bpy.types.Object, row) -> bpy.typ
     twin.name = f"{face.name} {row.name}"
     twin.data = face.data.copy()
     twin.mimetic.companions.clear()
+    twin.mimetic.footage = ""  # or a bake of the footage might update the copy
     mover = twin
     if (control := control_object.of(face)) is not None:
         own = _own_control(control, face, twin)
         mover = own if twin.parent == own else twin
     parts = _own_parts(face, twin)
+    editable = [c for c in face.users_collection if not (c.library or c.override_library)]
+    collections = editable or [scene.collection]  # linked ones and overrides take no objects
     for new in {twin, mover, twin.mimetic.control_object, *parts} - {None}:
-        for collection in face.users_collection:
+        for collection in collections:
             if new.name not in collection.objects:
                 collection.objects.link(new)
     for new in (mover, *(part for part in parts if part.parent not in (twin, *parts))):

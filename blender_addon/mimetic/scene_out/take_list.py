@@ -143,18 +143,25 @@ def is_inherited(obj: bpy.types.Object, row) -> bool:
 
 def is_edited(row) -> bool:
     """Whether curves of a take are no longer as they were baked; the row remembers it."""
-    row.is_edited = row.is_edited or mark_of(row) != row.mark
+    # Files of earlier versions have marks by bones' names
+    row.is_edited = row.is_edited or row.mark not in (mark_of(row), mark_of(row, has_bones=True))
     return row.is_edited
 
 
-def mark_of(row) -> str:
-    """Of all keys of a take's curves; the same once shape keys of ours were renamed."""
+def mark_of(row, has_bones: bool = False) -> str:
+    """Of all keys of a take's curves; the same once shape keys of ours or bones were renamed.
+
+    has_bones: with the names of bones. Without, curves of several follow each other as they do in
+    the action, so that to exchange theirs is an edit.
+    """
     digest, obj = hashlib.sha256(), row.id_data
     shapes = by_hand.shapes_by_name(obj) if KEYS in owners(obj) else {}
     for part in row.parts:
         of_part = shapes if part.name == KEYS else {}
         curves = compat.curves_of(part.action, part.slot_now) if part.action else ()
         paths = [(renamed_keys.lasting_path(c.data_path, of_part), c.array_index) for c in curves]
+        if not has_bones:
+            paths = [(renamed_keys.without_bone(path), index) for path, index in paths]
         for (path, index), curve in sorted(zip(paths, curves, strict=True), key=lambda row: row[0]):
             digest.update(f"{part.name} {path} {index}".encode())
             digest.update(key_table.mark(curve))
@@ -237,7 +244,7 @@ def play(obj: bpy.types.Object, row) -> bool:
 
 
 def gone_keys(obj: bpy.types.Object, *rows) -> str:
-    """What of takes moves nothing as its shape keys are gone, for a message; or nothing."""
+    """What of takes moves nothing as shape keys or bones are gone, for a message; or nothing."""
     blocks, lines = owners(obj), []
     for row in rows:
         if names := renamed_keys.gone(row, blocks):
@@ -247,7 +254,27 @@ def gone_keys(obj: bpy.types.Object, *rows) -> str:
                     "again, or bake the take again"
                 ).format(name=obj.name, keys=by_hand.told(names), take=row.name)
             )
+        lines += [
+            rpt_(
+                "{name} has no bone {bones} any more, which {take} moves: give it its name again, "
+                "or bake the take again"
+            ).format(name=name, bones=by_hand.told(bones), take=row.name)
+            for name, bones in renamed_keys.gone_bones(row, blocks).items()
+        ]
     return "; ".join(lines)
+
+
+def shared(obj: bpy.types.Object) -> str:
+    """What to say of a mesh that other objects have, too, as its sliders are one and the same."""
+    if obj.type != "MESH":
+        return ""
+    others = [other for other in bpy.data.objects if other.data == obj.data and other != obj]
+    if not (names := [other.name for other in others if other.users_scene]):
+        return ""
+    return rpt_(
+        "{name}'s sliders are those of {others}, too, as they share a mesh: to part them, "
+        "Object > Relations > Make Single User > Object & Data"
+    ).format(name=obj.name, others=by_hand.told(names))
 
 
 def actions_of_takes(obj: bpy.types.Object) -> set[bpy.types.Action]:

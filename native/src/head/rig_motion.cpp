@@ -26,6 +26,13 @@ Rotations shared(const Rotations& rotations, double share) {
     return result;
 }
 
+double side_of(const Eigen::Matrix3d& matrix) { return matrix.determinant() < 0 ? -1 : 1; }
+
+/// The matrix nearest to a parent's that keeps lengths: a rotation, of a mirrored parent a reflection.
+Eigen::Matrix3d orthogonal_of(const Eigen::Matrix3d& parent) {
+    return side_of(parent) * rotation_of(side_of(parent) * parent, "parent");
+}
+
 }  // namespace
 
 Eigen::Matrix4d object_from_head() {
@@ -92,7 +99,7 @@ RigidMotion carry_object(const RigidMotion& moved, const Eigen::Vector3d& locati
                          const Eigen::Matrix3d& rotation, const Eigen::Matrix4d& world_from_parent,
                          const Eigen::Matrix3d& axes, double scale) {
     const Eigen::Matrix3d parent = world_from_parent.topLeftCorner<3, 3>();
-    const Eigen::Matrix3d own = rotation_of(parent, "parent").transpose() * axes;
+    const Eigen::Matrix3d own = orthogonal_of(parent).transpose() * axes;
     RigidMotion carried;
     carried.shifts = (scale * moved.shifts * axes.transpose() * parent.inverse().transpose()).rowwise() +
                      location.transpose();
@@ -108,13 +115,15 @@ RigidMotion place_object(const std::vector<Eigen::Isometry3d>& world_from_object
     rotation_of(world_from_parent.topLeftCorner<3, 3>(), "parent");
     const Eigen::Matrix4d parent_from_world = world_from_parent.inverse();
     const Eigen::Matrix3d linear = parent_from_world.topLeftCorner<3, 3>();
-    const Eigen::Matrix3d turn = rotation_of(linear, "parent");
+    const Eigen::Matrix3d turn = orthogonal_of(linear);
+    // Rotations undo no mirroring: the head is mirrored from side to side, so that it stays upright
+    const Eigen::Matrix3d mirrored_axes = axes * Eigen::Vector3d(side_of(linear), 1, 1).asDiagonal();
     RigidMotion placed{{}, Points(world_from_object.size(), 3)};
     for (const Eigen::Isometry3d& pose : world_from_object) {
         const Eigen::Vector3d point = camera + scale * (pose.translation() - camera);
         placed.shifts.row(static_cast<Eigen::Index>(placed.rotations.size())) =
             (linear * point + parent_from_world.topRightCorner<3, 1>()).transpose();
-        placed.rotations.push_back(turn * pose.linear() * axes.transpose());
+        placed.rotations.push_back(turn * pose.linear() * mirrored_axes.transpose());
     }
     return placed;
 }

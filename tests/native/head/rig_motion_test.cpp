@@ -16,6 +16,16 @@ Eigen::Isometry3d pose(const Eigen::Vector3d& turn, const Eigen::Vector3d& shift
     return result;
 }
 
+/// World from a parent that is turned, twice as large and mirrored along one of its axes.
+Eigen::Affine3d mirrored(int axis) {
+    Eigen::Vector3d scales = Eigen::Vector3d::Constant(2);
+    scales[axis] = -2;
+    Eigen::Affine3d result = Eigen::Affine3d::Identity();
+    result.linear() = rotation_from_vector({.3, -.2, .7}) * scales.asDiagonal();
+    result.translation() = Eigen::Vector3d(1, 2, 3);
+    return result;
+}
+
 TEST(RigMotion, HeadAndNeckTogetherTurnAsTheHead) {
     const RigidMotion moved{{rotation_from_vector({.1, .2, .3})}, Points::Constant(1, 3, .01)};
     BoneAxes bones{rotation_from_vector({1, 0, 0}),
@@ -58,6 +68,34 @@ TEST(RigMotion, FlatParentsAndCamerasAreRefused) {
     EXPECT_THROW(carry_object(still, {0, 0, 0}, one, flat, one, 1), InvalidInput);
     EXPECT_THROW(place_object({Eigen::Isometry3d::Identity()}, {0, 0, 0}, flat, one, 1), InvalidInput);
     EXPECT_THROW(world_from_object({Eigen::Isometry3d::Identity()}, flat), InvalidInput);
+}
+
+TEST(RigMotion, UnderAMirroredParentAHeadStaysUprightBeforeTheCamera) {
+    const Eigen::Matrix3d axes = rotation_from_vector({0, 0, 1});
+    const Eigen::Isometry3d head = pose({.1, .4, .2}, {.1, .2, -.5});
+    for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::Affine3d parent = mirrored(axis);
+        const RigidMotion placed = place_object({head}, {0, 0, 0}, parent.matrix(), axes, 1);
+        const Eigen::Matrix3d world = parent.linear() * placed.rotations[0] * axes / 2;
+        EXPECT_TRUE(world.rightCols(2).isApprox(head.linear().rightCols(2), 1e-12));
+        EXPECT_TRUE(world.col(0).isApprox(-head.linear().col(0), 1e-12));
+        EXPECT_NEAR(placed.rotations[0].determinant(), 1, 1e-12);
+        const Eigen::Vector3d shift = placed.shifts.row(0).transpose();
+        EXPECT_TRUE((parent * shift).isApprox(head.translation(), 1e-12));
+    }
+}
+
+TEST(RigMotion, UnderAMirroredParentAnObjectTurnsAsTheHeadDoes) {
+    const RigidMotion moved{{rotation_from_vector({.1, .4, .2})}, Points::Constant(1, 3, .01)};
+    const Eigen::Matrix3d rotation = rotation_from_vector({0, .5, 0});
+    const Eigen::Matrix3d axes = rotation_from_vector({0, 0, 1});
+    const Eigen::Matrix3d turn = axes * moved.rotations[0] * axes.transpose();
+    for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::Affine3d parent = mirrored(axis);
+        const RigidMotion carried = carry_object(moved, {1, 2, 3}, rotation, parent.matrix(), axes, 1);
+        const Eigen::Matrix3d world = parent.linear() * carried.rotations[0];
+        EXPECT_TRUE(world.isApprox(turn * parent.linear() * rotation, 1e-12));
+    }
 }
 
 TEST(RigMotion, StillPointsKeepTheirDistanceWhenTheHeadNods) {

@@ -11,9 +11,11 @@ from mimetic.character.rig_motion import (
     Motion,
     axes_of,
     bone_channels,
+    carried_channels,
     facing,
     followed,
     motion,
+    placed_channels,
     rotation_channels,
 )
 from sample_performance import make_performance
@@ -138,6 +140,39 @@ def test_a_mirrored_objects_face_looks_as_it_is_seen_to(axis, direction):
     plain = turn @ np.diag(signs) @ facing(direction)
     np.testing.assert_allclose(axes[:, 1:], plain[:, 1:], atol=1e-12)  # what is back, and up
     assert np.linalg.det(axes) == pytest.approx(1)
+
+
+def mirrored_parent(axis) -> np.ndarray:
+    """4 x 4, of an empty that is turned, three times as large and mirrored along an axis."""
+    signs = np.ones(3)
+    signs[axis] = -1
+    parent = np.eye(4)
+    parent[:3, :3] = some_rotations()[20] @ np.diag(3 * signs)
+    parent[:3, 3] = [1, 2, 3]
+    return parent
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("direction", ["-Y", "+X"])
+def test_under_a_mirrored_parent_a_head_is_upright_before_the_camera(axis, direction):
+    performance, parent = make_performance(), mirrored_parent(axis)
+    channels = placed_channels(performance, parent, "QUATERNION", np.eye(4), direction)
+    poses = world_from_object(performance, np.eye(4))
+    world = parent[:3, :3] @ matrices(channels.rotations) @ facing(direction) / 3
+    np.testing.assert_allclose(world[:, :, 1:], poses[:, :3, 1:3], atol=1e-12)  # back, and up
+    places = channels.locations @ parent[:3, :3].T + parent[:3, 3]
+    np.testing.assert_allclose(places, poses[:, :3, 3], atol=1e-12)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_under_a_mirrored_parent_an_object_turns_as_the_head_does(axis):
+    moved, parent = motion(make_performance(), rest_frame=1), mirrored_parent(axis)
+    rotation = some_rotations()[30]
+    axes = axes_of(parent)
+    channels = carried_channels(moved, np.zeros(3), rotation, parent, axes, "QUATERNION")
+    actual = parent[:3, :3] @ matrices(channels.rotations)
+    turns = axes @ moved.rotations @ axes.T
+    np.testing.assert_allclose(actual, turns @ parent[:3, :3] @ rotation, atol=1e-12)
 
 
 def test_a_head_is_found_in_an_object_by_its_landmarks():

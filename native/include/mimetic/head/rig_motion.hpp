@@ -64,7 +64,8 @@ RigidMotion carry_object(const RigidMotion& moved, const Eigen::Vector3d& locati
                          const Eigen::Matrix3d& axes, double scale);
 
 /// Channels that put an object where the head is. camera: where it stands in the world; axes: object from
-/// character; scale: of the distance to the camera. Throws InvalidInput if the parent is flat.
+/// character; scale: of the distance to the camera. Under a mirrored parent the head is upright, its left
+/// where its right was. Throws InvalidInput if the parent is flat.
 RigidMotion place_object(const std::vector<Eigen::Isometry3d>& world_from_object,
                          const Eigen::Vector3d& camera, const Eigen::Matrix4d& world_from_parent,
                          const Eigen::Matrix3d& axes, double scale);

@@ -172,7 +172,8 @@ def placed_channels(
 ) -> Channels:
     """Curves that put an object where the head is before the footage's camera.
 
-    scale: of the distance to the camera, as for a character larger than its actor.
+    scale: of the distance to the camera, as for a character larger than its actor. Under a mirrored
+    parent the head is upright, its left where its right was.
     """
     world = WORLD_FROM_SCENE_CAMERA if world_from_scene_camera is None else world_from_scene_camera
     poses = world_from_object(performance, world)
