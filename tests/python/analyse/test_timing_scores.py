@@ -100,7 +100,7 @@ def test_a_scene_that_begins_in_a_smile_shows_no_onset():
     before, smile = smiles_of(analyse_timing(cut, kinds=("group", "side")))
     assert before.event.fit.ends_after and before.event.fit.last == 32
     assert smile.event.fit.begins_before and smile.event.fit.first == 33
-    assert np.isnan(smile.onset_seconds.value) and smile.eye_delay is None
+    assert np.isnan(smile.rise_seconds.value) and smile.eye_delay is None
     words = summary_of(smile)
     assert "its onset is not known" in words and "which began first is not known" in words
 
@@ -166,7 +166,7 @@ def test_bad_input_is_one_line(tmp_path, capsys):
 
 
 def test_a_still_clip_gives_tables_without_rows(tmp_path):
-    still = make_performance(activations=np.zeros((12, 36)))
+    still = make_performance(activations=np.zeros((12, 36)), articulator_values=np.zeros((12, 2)))
     still.save(tmp_path / "performance.npz")
     assert main(["analyse", str(tmp_path / "performance.npz"), "--out", str(tmp_path / "o")]) == 0
     assert len((tmp_path / "o" / "phases.csv").read_text().splitlines()) == 1

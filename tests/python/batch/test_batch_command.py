@@ -7,6 +7,13 @@ import re
 import resource
 import shutil
 
+import pytest
+from clips import make_clip
+from mimetic.batch import plan
+from mimetic.batch.clip_list import Row
+from mimetic.batch.steps import Settings
+from mimetic.commands.cli import main
+
 
 def test_a_killed_batch_goes_on_where_it_was(resumed):
     out, ran = resumed
@@ -76,3 +83,29 @@ def test_a_batch_of_nothing_and_settings_that_cannot_be_are_bad_input(mimetic, t
         assert ran.returncode == 2 and ran.stderr.count("\n") == 1, ran.stderr
     assert "--blender-python" in ran.stderr and not list((tmp_path / "out").glob("*/*"))
     assert mimetic("batch", "--task", "../x", "--out", tmp_path).returncode == 2
+
+
+@pytest.fixture
+def prepared(tmp_path):
+    """The folder of a batch of one clip, `a`, in which nothing is done."""
+    clip = make_clip(tmp_path / "a.mp4", size="160x120", frames=4)
+    (tmp_path / "out").mkdir()
+    plan.prepare(tmp_path / "out", [Row(str(clip))], Settings())
+    return tmp_path / "out"
+
+
+@pytest.mark.parametrize("words", [["--task", "a"], []])
+def test_a_step_that_there_is_not_and_steps_of_no_task_are_refused(prepared, words, capsys):
+    steps = "captrue" if words else "capture"
+    assert main(["batch", *words, "--out", str(prepared), "--steps", steps]) == 2
+    said = capsys.readouterr().err
+    assert ("choose from" in said and "character" in said) if words else "--task NAME" in said
+
+
+def test_a_task_that_there_is_not_is_refused_and_nothing_is_left_in_its_place(prepared, capsys):
+    (prepared / "b").mkdir()
+    for name in "bc":
+        assert main(["batch", "--task", name, "--out", str(prepared)]) == 2
+        assert f"--task {name}: the batch in {prepared} has a: give" in capsys.readouterr().err
+    assert not list((prepared / "b").iterdir()) and not (prepared / "c").exists()
+    assert main(["batch", "--task", "a", "--out", str(prepared.parent / "none")]) == 2

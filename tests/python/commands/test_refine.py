@@ -64,6 +64,18 @@ def test_a_refined_performance_takes_the_others_place(command, capsys):
     assert "performance.npz: 0 frames corrected" in capsys.readouterr().err
 
 
+def test_drawings_of_before_beside_it_are_named(command, capsys):
+    assert command(nothing) == 0
+    assert "of the performance before" not in capsys.readouterr().err
+    (command.shot / "report.html").touch()
+    (command.shot / "overlay.mp4").touch()
+    assert command(nothing, "--out", command.shot / "mine.npz") == 0
+    assert "of the performance before" not in capsys.readouterr().err
+    assert command(nothing) == 0
+    said = capsys.readouterr().err
+    assert f"{command.shot}: report.html and overlay.mp4 are still of the performance" in said
+
+
 def test_a_capture_that_was_published_meanwhile_stays(command, capsys):
     assert command(lambda: capture_into(command.shot, 5)) == 1
     kept = {"performance.npz": 5, "performance.refined.npz": 7}

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Expressions are kept, mirrored and composed into performances that they alone make."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -78,6 +79,22 @@ def test_frames_can_be_named_and_levels_kept():
         cut(performance, group=LIPS, number=7)
     with pytest.raises(InvalidInput, match="nothing moves"):
         cut(performance, frames=(70, 85), only=(7,))
+
+
+def test_what_only_falls_from_the_clips_beginning_is_said_to_be_cut():
+    """Less the straight line between its ends nothing is left of it; `nothing moves` is not so."""
+    falling = acting(LIPS, 200, 0.8)
+    values = falling.activations.copy()
+    values[:, falling.groups == LIPS] = np.interp(np.arange(FRAMES), (0, 12), (0.6, 0.0))[:, None]
+    timing = analyse_timing(replace(falling, activations=values), kinds=("group",))
+    [event] = timing.of_group(LIPS)
+    assert event.fit.begins_before
+    how = {"group": LIPS, "number": 1, "only": (LIPS,)}
+    with pytest.raises(InvalidInput, match=r"is left of what moves .* begins before the clip"):
+        cut_motion(timing, **how)
+    with pytest.raises(InvalidInput, match=r"is taken off; try --as-captured$"):
+        cut_motion(timing, frames=(1, 13), only=(LIPS,))
+    assert cut_motion(timing, **how, is_from_rest=False).values.max() == pytest.approx(0.6)
 
 
 def test_a_still_is_the_peak(smile):
@@ -172,7 +189,21 @@ def test_a_smile_with_a_brow_raise_of_other_clips_is_one_expression_of_two_secon
     assert together.sum() > 10
     assert composed.activations[[0, -1]].max() < 0.02
     assert np.abs(np.diff(composed.activations, axis=0)).max() < 0.15
-    assert composed.notes[0].startswith("composed: smile at 0.3 s")
+    begin = np.flatnonzero(values[smile.channels[0]] > 0.01)[0] / 30  # stretched, as all is
+    noted = re.fullmatch(
+        r"composed: smile at ([.\d]+) s, ([.\d]+) s long, strength 1", composed.notes[0]
+    )
+    assert begin == pytest.approx(float(noted[1]), abs=0.05) and float(noted[1]) > 0.35
+    assert float(noted[2]) / float(noted[1]) == pytest.approx(smile.seconds / 0.3, rel=1e-3)
+
+
+@pytest.mark.parametrize("text", ["smile", "smile@0.5*0.5/1.0", "smile*2/0.4", "smile@0.52/0.31"])
+@pytest.mark.parametrize("fps", [24, 29.97, 30])
+def test_a_composition_ends_at_rest(smile, text, fps):
+    person, placing = make_performance(1, rings=5), parse_placing(text)
+    composed = compose([placing], lambda _: smile, person, fps=fps)
+    assert composed.activations[-2].max() > 0
+    assert composed.activations[-1].max() < 1e-6
 
 
 def test_an_expression_begins_to_move_at_the_second_that_is_given(smile):

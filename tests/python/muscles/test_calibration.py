@@ -71,6 +71,18 @@ def test_stiffness_is_found_where_it_shows_and_stays_at_one_elsewhere(mesh, monk
     assert not any(name.startswith("frontalis") for name in result.calibration.strength)
     assert result.calibration.frames == [3, 9]
     assert result.gain > 10
+    assert not result.is_settled and "still moving after" in described(result)
+
+
+def test_an_insertion_is_followed_as_far_as_it_is(mesh):
+    """7 mm from where it is assumed: a round goes no further than 1.6 mm."""
+    shifts = {f"zygomaticus_major.{side}": (0.0, 7.0) for side in "LR"}
+    truth = modes_of(AttachedSkin(mesh, 1.0, Calibration({}, {}, shifts)))
+    sightings = [seen(mesh, truth, 3, zygomaticus_major=0.9)]
+    result = calibrate.estimate(mesh, sightings, CAMERA, POSE)
+    assert result.is_settled and "still moving" not in described(result)
+    for name in shifts:
+        np.testing.assert_allclose(result.calibration.insertion[name], (0, 7), atol=0.6)
 
 
 def test_every_number_is_said_with_its_deviation():

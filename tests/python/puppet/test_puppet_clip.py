@@ -13,6 +13,7 @@ from mimetic.commands.cli import main
 from mimetic.fit.face_fit import FaceFit
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
+from mimetic.puppet.mapping import Mapping
 from mimetic.puppet.running import RunOptions, drive
 from mimetic.puppet.teaching import teach
 from mimetic.puppet.templates import TaughtSet
@@ -172,6 +173,21 @@ def test_a_neutral_frame_that_is_not_there_is_refused_before_any_work(rendered_c
             progress=lambda _fraction, text: texts.append(text) is None,
         )
     assert texts == []
+
+
+def test_a_look_with_a_state_of_its_own_drives_that(rendered_clip, folder, tmp_path, capsys):
+    clip = str(rendered_clip.footage)
+    words = ["puppet", "teach", clip, "--out", str(tmp_path / "set.npz")]
+    words += ["--performance", str(folder / "capture" / "performance.npz")]
+    words += ["--look", "neutral=1", "--look", "smile=25", "--state", "smile=jaw_open:0.2"]
+    assert main(words) == 0
+    assert "no examples are kept" in capsys.readouterr().err
+    taught = TaughtSet.load(tmp_path / "set.npz")
+    assert set(taught.example_frames.tolist()) == {1, 25}
+    driven = Mapping(taught).state(taught.example_scores[-1]).values
+    assert driven[taught.channels.index("jaw_open")] == pytest.approx(0.2, abs=0.05)
+    muscles = [i for i, group in enumerate(taught.channel_groups) if group]
+    assert np.abs(driven[muscles]).max() < 0.1
 
 
 def test_what_cannot_be_taught_is_refused_in_a_line(rendered_clip, folder, tmp_path, capsys):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.analyse.timing import Event, Timing
+from mimetic.analyse.timing import COURSES, Event, Timing, articulator_curves, events_of
 from mimetic.muscles.action_units import ActionUnit, action_unit, is_face, named_places
 from mimetic.performance.document import Performance
 from mimetic.template.face_template import FaceTemplate
@@ -86,9 +86,9 @@ def compare(
     number: int | None = None,
     only_certain: bool = True,
 ) -> Comparison:
-    """An event of the unit's muscle group beside the unit.
+    """An event of the unit's muscle group, or of the articulators that do it, beside the unit.
 
-    number: which of the group's events, counted from 1; None takes the strongest that begins
+    number: which of these events, counted from 1; None takes the strongest that begins
     within the clip, of those that are certain unless only_certain is false. One that is there when
     its scene begins is measured from where it is released. Raises InvalidInput where there is none,
     or none of it is at rest, or on another mesh than the canonical.
@@ -146,14 +146,14 @@ def _event_of(
     timing: Timing, unit: ActionUnit, number: int | None, only_certain: bool
 ) -> tuple[Event, int]:
     """An event, and the row that it is measured from."""
-    events = timing.of_group(unit.group)
+    of_what, events = _events_of(timing, unit)
     rests = {event.number: rest_row(event) for event in events}
     if number is not None:
         matches = [event for event in events if event.number == number]
         if not matches:
             raise InvalidInput(
-                f"--event {number}: group {unit.group} has {len(events)} events (phases.csv of "
-                "`mimetic analyse` lists them)"
+                f"--event {number}: {of_what} has {len(events)} events (phases.csv of `mimetic "
+                "analyse` lists them)"
             )
         rest = rests[number]
         if rest is None:
@@ -175,11 +175,20 @@ def _event_of(
         numbers = ", ".join(str(number) for number, rest in rests.items() if rest is not None)
         advice = f", or name one by --event ({numbers})" if numbers else ""
         raise InvalidInput(
-            f"group {unit.group}, which does what {unit.name} does ({unit.meaning}), has no event "
-            f"that is certain and begins within the clip; capture more of it{advice}"
+            f"{of_what}, which is what {unit.name} does ({unit.meaning}), has no event that is "
+            f"certain and begins within the clip; capture more of it{advice}"
         )
     strongest = max(whole, key=lambda event: event.fit.shape.amplitude)
     return strongest, strongest.fit.first
+
+
+def _events_of(timing: Timing, unit: ActionUnit) -> tuple[str, list[Event]]:
+    """Of what does what the unit does: what it is called, and its events."""
+    if not unit.course:
+        return f"group {unit.group}", timing.of_group(unit.group)
+    name, performance = COURSES[unit.course], timing.performance
+    curves = [curve for curve in articulator_curves(performance) if curve.name == name]
+    return f"the {name}", [event for curve in curves for event in events_of(curve, performance)]
 
 
 def _courses(

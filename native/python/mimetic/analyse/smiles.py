@@ -31,14 +31,14 @@ class Published:
 # Published ranges of other people's smiles, measured by other means: for comparison only
 PUBLISHED = (
     Published(
-        "onset_seconds",
+        "rise_seconds",
         "onset of spontaneous smiles; it does not depend on the context",
         0.40,
         0.70,
         "Schmidt, Cohn and Tian 2003, Biological Psychology 65; about half a second is quoted",
     ),
     Published(
-        "onset_seconds",
+        "rise_seconds",
         "onset of posed smiles: faster",
         0.20,
         0.40,
@@ -67,7 +67,7 @@ class Smile:
 
     event: Event
     eye_event: Event | None
-    onset_seconds: Estimate
+    rise_seconds: Estimate
     total_seconds: Estimate  # until a tenth of the height is left
     onset_speed: Estimate  # activation a second
     asymmetry: Estimate  # (left - right) / (left + right), -1 to 1
@@ -209,7 +209,7 @@ def smile_rows(smiles: list[Smile]) -> list[dict[str, object]]:
     rows = []
     for smile in smiles:
         row: dict[str, object] = {"event": smile.event.number}
-        for field in ("onset_seconds", "total_seconds", "onset_speed", "asymmetry", "eye_ratio"):
+        for field in ("rise_seconds", "total_seconds", "onset_speed", "asymmetry", "eye_ratio"):
             row |= interval_cells(field, getattr(smile, field))
         delay = smile.eye_delay.delay if smile.eye_delay else None
         row |= interval_cells("eye_delay_frames", delay.lag if delay else None)
@@ -224,7 +224,7 @@ def summary_of(smile: Smile) -> str:
     if smile.event.fit.begins_before:
         parts.append("It is there when the clip, or its scene, begins: its onset is not known.")
     else:
-        onset = smile.onset_seconds
+        onset = smile.rise_seconds
         parts.append(
             f"Onset {smile.event.fit.onset.value:.1f}, {onset.value:.2f} s long "
             f"({onset.lower:.2f} to {onset.upper:.2f})."

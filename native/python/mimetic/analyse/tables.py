@@ -49,7 +49,7 @@ def _phase_row(event: Event, fps: float) -> dict[str, object]:
     return {
         "kind": event.curve.kind,
         "name": event.curve.name,
-        "group": event.curve.group,
+        "group": event.curve.group or "",
         "event": event.number,
         "is_certain": fit.is_certain,
         "model": shape.model.name,

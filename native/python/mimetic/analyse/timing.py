@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Phases of every muscle and group of a performance, and the delays between groups."""
+"""Phases of every muscle, group, jaw and upper lids of a performance, and delays of groups."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from mimetic import _core
 from mimetic.analyse.estimate import WITHIN, Estimate
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.score.groups import GROUP_NAMES
+from mimetic.solve.tracking import ACTIVATION_STD, ARTICULATOR_STD, QUICKNESS
 
 SIDES = (".L", ".R")
 # Chosen on `mimetic evaluate timing --set tuning`
@@ -23,20 +24,29 @@ PICTURES_ROBUST_SCALE = 0.02  # what the pictures say is not smoothed, so one fr
 EXPONENT_STD = 3.0  # beforehand, about 0
 # Of an amplitude, as a share of its muscles' standard deviation and of itself
 SHARED_ERROR, MODEL_ERROR = 0.75, 0.3
+# What articulators do that no muscles do, as action units name it: the mean of both sides, above
+# rest, or below it with "-"
+COURSES = {
+    "jaw_open": "opening of the jaw",
+    "lid_upper": "closing of the upper lids",
+    "-lid_upper": "raising of the upper lids",
+}
 Progress = Callable[[float, str], object]
 
 
 @dataclass(frozen=True)
 class Curve:
-    """An actuation over time: of a muscle, a group (its muscles' mean) or one side of it."""
+    """An actuation over time: of a muscle, a group (its muscles' mean), one side of it, or of
+    articulators."""
 
-    kind: str  # "group", "side", "muscle"
+    kind: str  # "group", "side", "muscle", "articulator"
     name: str
-    group: int  # 1 to 7
+    group: int  # 1 to 7; 0 of articulators
     values: NDArray[np.float64]  # N, 0 to 1
     stds: NDArray[np.float64]  # N
     measured_std: float  # of the curves that were smoothed: a group's muscles
     members: NDArray[np.float64]  # P, 1 for its muscles, 0 for others
+    quickness: float = 1.0  # how many times as fast as a muscle the smoother lets it be
 
 
 @dataclass(frozen=True)
@@ -92,26 +102,39 @@ class Timing:
 def analyse_timing(
     performance: Performance,
     progress: Progress = lambda _fraction, _text: None,
-    kinds: tuple[str, ...] = ("group", "side", "muscle"),
+    kinds: tuple[str, ...] = ("group", "side", "muscle", "articulator"),
 ) -> Timing:
     """Events of all curves of these kinds, and delays between those of groups."""
-    curves = [curve for curve in curves_of(performance) if curve.kind in kinds]
-    frames = performance.frame.astype(np.float64)
-    usable = (performance.quality >= HELD_QUALITY).tolist()
+    curves = [*curves_of(performance), *articulator_curves(performance)]
+    curves = [curve for curve in curves if curve.kind in kinds]
     courses = measured_courses(performance)
-    starts = [float(frames[scene.start]) for scene in performance.scenes[1:]]
     events = []
     for i, curve in enumerate(curves):
         progress(0.9 * i / len(curves), f"fitting phases: {curve.name}")
-        options = _phase_options(curve, courses is not None)
-        options.scene_starts = starts
-        fits = _core.fit_phases(
-            *(frames, curve.values, curve.stds, usable, options, courses, curve.members)
-        )
-        events += [Event(curve, number, fit) for number, fit in enumerate(fits, 1)]
+        events += events_of(curve, performance, courses)
     progress(0.9, "delays between groups")
     groups = [event for event in events if event.curve.kind == "group"]
-    return Timing(performance, curves, events, list(_delays(frames, groups, starts)))
+    return Timing(performance, curves, events, list(_delays(performance, groups)))
+
+
+def events_of(
+    curve: Curve, performance: Performance, courses: _core.MeasuredCourses | None = None
+) -> list[Event]:
+    """A curve's events in order; courses: what the pictures alone say, of muscles only."""
+    is_by_pictures = courses is not None and curve.kind != "articulator"
+    options = _phase_options(curve, is_by_pictures)
+    options.scene_starts = _scene_starts(performance)
+    fits = _core.fit_phases(
+        *(performance.frame.astype(np.float64), curve.values, curve.stds),
+        *((performance.quality >= HELD_QUALITY).tolist(), options),
+        *((courses, curve.members) if is_by_pictures else ()),
+    )
+    return [Event(curve, number, fit) for number, fit in enumerate(fits, 1)]
+
+
+def _scene_starts(performance: Performance) -> list[float]:
+    """Frames at which scenes after the first begin."""
+    return [float(performance.frame[scene.start]) for scene in performance.scenes[1:]]
 
 
 def measured_courses(performance: Performance) -> _core.MeasuredCourses | None:
@@ -123,7 +146,7 @@ def measured_courses(performance: Performance) -> _core.MeasuredCourses | None:
 
 def _phase_options(curve: Curve, by_pictures: bool) -> _core.PhaseOptions:
     options = _core.PhaseOptions()
-    options.measured_std = curve.measured_std
+    options.measured_std = curve.measured_std / curve.quickness
     options.shape_error = SHAPE_ERROR
     if by_pictures:
         options.robust_scale, options.exponent_std = PICTURES_ROBUST_SCALE, EXPONENT_STD
@@ -152,12 +175,35 @@ def curves_of(performance: Performance) -> Iterator[Curve]:
         yield Curve(kind, name, group, values, stds, float(means.measured_std[i]), members[i])
 
 
-def _delays(
-    frames: NDArray[np.float64], events: list[Event], starts: list[float]
-) -> Iterator[GroupDelay]:
-    """starts: frames at which scenes after the first begin."""
+def articulator_curves(performance: Performance) -> Iterator[Curve]:
+    """Those of `COURSES` whose articulators the performance has."""
+    for course, name in COURSES.items():
+        articulator = course.removeprefix("-")
+        columns = [
+            i
+            for i, other in enumerate(performance.articulators)
+            if other.removesuffix(".L").removesuffix(".R") == articulator
+        ]
+        if not columns:
+            continue
+        values = performance.articulator_values[:, columns]
+        stds = performance.articulator_values_std
+        stds = np.zeros_like(values) if stds is None else stds[:, columns]
+        means = _core.mean_curves(values, stds, np.ones((1, len(columns))))
+        # Beyond rest alone: else a lid at rest between two blinks would have been raised
+        beyond = np.maximum(0.0, means.values[:, 0] * (-1 if course.startswith("-") else 1))
+        quickness = QUICKNESS.get(articulator, 1.0) * ARTICULATOR_STD[articulator] / ACTIVATION_STD
+        none = np.zeros(len(performance.muscles))
+        yield Curve(
+            *("articulator", name, 0, beyond, means.stds[:, 0].copy()),
+            *(float(means.measured_std[0]), none, quickness),
+        )
+
+
+def _delays(performance: Performance, events: list[Event]) -> Iterator[GroupDelay]:
+    frames = performance.frame.astype(np.float64)
     options = _core.DelayOptions()
-    options.scene_starts = starts
+    options.scene_starts = _scene_starts(performance)
     for leader, follower in combinations(events, 2):
         if leader.curve is follower.curve:
             continue

@@ -105,9 +105,9 @@ def delay_figure(timing: Timing) -> Figure:
 
 
 def smile_figure(smiles: list[Smile]) -> Figure:
-    """Onset, length, evenness and eyes of each smile beside published bands."""
+    """Rise, length, evenness and eyes of each smile beside published bands."""
     fields = (
-        ("onset_seconds", "onset, s"),
+        ("rise_seconds", "rise, s"),
         ("total_seconds", "length, s"),
         ("asymmetry", "left minus right"),
         ("eye_ratio", "eyes over mouth"),

@@ -28,7 +28,7 @@ FILES = (
 )
 PHASE_COLUMNS = ["kind", "name", "group", "event"]
 DELAY_COLUMNS = ["leader", "follower", "delay_frames", "is_delayed"]
-SMILE_COLUMNS = ["event", "onset_seconds", "eye_ratio", "eye_delay_frames"]
+SMILE_COLUMNS = ["event", "rise_seconds", "eye_ratio", "eye_delay_frames"]
 
 
 def write_timing(timing: Timing, folder: Path, name: str) -> None:

@@ -17,6 +17,7 @@ from mimetic.media.image_sequence import is_sequence, opened
 from mimetic.shared.results import PERFORMANCE
 
 BAKES = ("blend", "glb")
+NAMES = ("capture", *BAKES, "character")  # of all steps, in order
 CAPTURED = (PERFORMANCE, "fit.json", "overlay.mp4", "report.html")
 
 

@@ -61,7 +61,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--footage",
         type=Path,
-        help="the captured clip: its colours on the skin, and the clip behind the face",
+        help="the captured clip: its colours on the skin, and the clip behind the face; with a "
+        "--target the clip behind what the file's own camera sees",
     )
     add_face_arguments(parser)
     parser.add_argument(
@@ -194,14 +195,20 @@ def run_bake(arguments: argparse.Namespace) -> int:
         if arguments.control_object and arguments.controls == "own":
             raise InvalidInput("--control-object drives muscles; leave --controls own out")
         if arguments.detail:
-            raise InvalidInput("--detail is of the person's own face; a --target takes the head")
+            raise InvalidInput(
+                "--detail is of the person's own face; a --target has no shapes for it: leave it "
+                "out"
+            )
         if arguments.names == "arkit" and (arguments.controls != "auto" or arguments.preset):
             raise InvalidInput(
                 "--names arkit takes ARKit's shapes of a --target; leave --controls and "
                 "--preset out"
             )
         if arguments.action_units:
-            raise InvalidInput("--action-units are the face's; a --target takes the head")
+            raise InvalidInput(
+                "--action-units are the person's own face's; a --target has no shapes for them: "
+                "leave it out"
+            )
     elif arguments.controls != "auto" or arguments.preset:
         raise InvalidInput("--controls and --preset are a --target RIG.blend:OBJECT's; give it")
     elif arguments.bone or arguments.neck:

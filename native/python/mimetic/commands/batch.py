@@ -12,11 +12,11 @@ from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch import flamenco, on_dask, open_job, plan
-from mimetic.batch.clip_list import Row, check_lens, is_text, rows_of
+from mimetic.batch.clip_list import MARK, Row, check_lens, is_text, rows_of
 from mimetic.batch.page import write_page
 from mimetic.batch.plan import PAGE, PLAN, Batch
 from mimetic.batch.pool import Outcome, Pool, num_cores
-from mimetic.batch.steps import BAKES, Settings
+from mimetic.batch.steps import BAKES, NAMES, Settings
 from mimetic.batch.task import run_task
 from mimetic.character.sparse_curves import check_tolerance
 from mimetic.commands import cli
@@ -31,6 +31,7 @@ from mimetic.shared.results import prepare_folder
 
 FAILED = 1  # exit status where a clip failed
 PAGE_EVERY = 20  # clips
+MOST_NAMED = 12  # of a batch's clips, in one line
 PICTURES_LARGER = 10  # about, than frames of a video file
 
 
@@ -132,7 +133,14 @@ def _add_running(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--task", metavar="NAME", help="run one clip of the batch that was prepared in DIR"
     )
-    parser.add_argument("--steps", nargs="+", metavar="STEP", default=(), help="of --task alone")
+    parser.add_argument(
+        "--steps",
+        nargs="+",
+        choices=NAMES,
+        metavar="STEP",
+        default=(),
+        help=f"of --task: do these alone, of {', '.join(NAMES)} (default: all that the clip needs)",
+    )
     parser.add_argument("--end-with-parent", action="store_true", help=argparse.SUPPRESS)
 
 
@@ -140,6 +148,8 @@ def run_batch(arguments: argparse.Namespace) -> int:
     """Exit status 0 where every clip is done, 1 where one failed."""
     if arguments.task:
         return run_one(arguments)
+    if arguments.steps:
+        raise InvalidInput("--steps is of one clip: give --task NAME too")
     if arguments.summary:
         batch = plan.load(arguments.out)
         write_page(batch, {})
@@ -185,11 +195,20 @@ def run_one(arguments: argparse.Namespace) -> int:
         threading.Thread(target=_end_with_parent, daemon=True).start()
     if Path(arguments.task).name != arguments.task:
         raise InvalidInput(f"--task {arguments.task}: give the name of a clip's folder in DIR")
+    folder = arguments.out / arguments.task
+    if not (folder / MARK).is_file():
+        names = [task.name for task in plan.load(arguments.out).tasks]
+        more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+        raise InvalidInput(
+            f"--task {arguments.task}: the batch in {arguments.out} has "
+            f"{', '.join(names[:MOST_NAMED]) or 'no clip'}{more}: give one of them, or prepare the "
+            "batch again"
+        )
 
     def run_command(words: Sequence[str]) -> tuple[int, str]:
         return cli.outcome(cli.options_of(words))
 
-    status, message = run_task(arguments.out / arguments.task, run_command, arguments.steps)
+    status, message = run_task(folder, run_command, arguments.steps)
     if message:
         say(f"mimetic: {message}")
     return status

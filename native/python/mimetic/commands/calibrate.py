@@ -15,8 +15,8 @@ from mimetic.fit.fitting import FaceFit
 from mimetic.muscles.calibration import REGIONS
 from mimetic.shared.interrupts import listen_for_interrupt
 from mimetic.shared.regular_file import check_target
-from mimetic.solve.calibrate import CalibrationResult
-from mimetic.solve.calibration_run import calibrate
+from mimetic.solve.calibrate import MOST_ROUNDS, CalibrationResult
+from mimetic.solve.calibration_run import LEAST_FRAMES, MOST_FRAMES, calibrate
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,7 +36,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--frames",
         type=parse_frames,
         metavar="A:B",
-        help="first and last frame to rest on, counted from 1 (default: all, 600 at most)",
+        help="first and last frame to rest on, counted from 1 (default: the whole clip, which "
+        f"must have {LEAST_FRAMES} to {MOST_FRAMES} frames; otherwise give A:B)",
     )
     add_lens_arguments(parser)
 
@@ -86,6 +87,8 @@ def described(result: CalibrationResult) -> str:
             _line(name, calibration.strength[name], result.strength_std[name])
             for name in calibration.strength
         ]
+    if not result.is_settled:
+        lines.append(f"still moving after {MOST_ROUNDS} rounds: the ranges are too narrow")
     lines.append(f"logarithm of the evidence: {result.gain:+.1f} against all factors at 1")
     return "\n".join(lines)
 

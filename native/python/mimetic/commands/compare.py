@@ -44,8 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--event",
         type=int,
         metavar="N",
-        help="which event of the unit's muscle group, counted from 1 as in phases.csv (default: "
-        "the strongest that begins within the clip)",
+        help="which event of the unit's muscle group, or of the jaw or lids where they do it, "
+        "counted from 1 as in phases.csv (default: the strongest that begins within the clip)",
     )
     parser.add_argument(
         "--footage", type=Path, help="the captured clip: draws the motion fields too (Fig. 6)"

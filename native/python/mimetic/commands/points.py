@@ -191,10 +191,22 @@ def _read_row(path: Path, line: int, row: list[str]) -> tuple[float, float]:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("performance", type=Path, help="performance.npz of a capture")
     parser.add_argument(
-        "--at", type=Path, required=True, metavar="POINTS.csv", help="x,y in pixels of the clip"
+        "--at",
+        type=Path,
+        required=True,
+        metavar="POINTS.csv",
+        help="a table with the first line x,y and a line for each point, in pixels of the clip; "
+        "0,0 is the middle of the top-left one",
     )
     parser.add_argument("--frame", type=int, help="frame the pixels are in (default: the first)")
-    parser.add_argument("--out", type=Path, required=True, metavar="TRACKS.npz")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        metavar="TRACKS.npz",
+        help="tracks (N frames x K points x 2, pixels; NaN off the face), visible (N x K), "
+        "on_face (K)",
+    )
 
 
 def run_points(arguments: argparse.Namespace) -> int:

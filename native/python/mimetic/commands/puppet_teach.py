@@ -21,7 +21,7 @@ from mimetic.performance.document import Performance
 from mimetic.puppet.driver import HEADS
 from mimetic.puppet.seeing import MODEL
 from mimetic.puppet.taught_look import named_looks, parse_look
-from mimetic.puppet.teaching import MOST_EXAMPLES, teach
+from mimetic.puppet.teaching import MOST_EXAMPLES, has_own_state, teach
 from mimetic.report.html import check_report_packages
 from mimetic.shared.regular_file import check_input, check_target
 from mimetic.solve.clip_capture import check_range
@@ -72,7 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=MOST_EXAMPLES,
         metavar="N",
         help="captured frames that are kept beside the looks to interpolate between (default: "
-        "%(default)s; 0: the looks alone)",
+        "%(default)s; 0: the looks alone, as where a look has a --state)",
     )
     parser.add_argument(
         "--frames", type=parse_frames, metavar="A:B", help="teach from these frames alone"
@@ -131,4 +131,6 @@ def _teach_from_clip(arguments: argparse.Namespace) -> int:
             *(footage, performance, looks, num_chosen, frames, arguments.examples, show),
             model=arguments.head,
         )
+        if arguments.examples and has_own_state(looks):
+            console.tell("no examples are kept: they would contradict the looks with a --state")
     return save_set(taught, out)

@@ -22,6 +22,7 @@ from mimetic.shared.regular_file import check_target
 from mimetic.solve.refined_spans import DIRECTIONS
 from mimetic.solve.refining import refined
 
+REPORT, OVERLAY = "report.html", "overlay.mp4"  # that a capture draws beside a performance
 FAILED = 1  # exit status where another has the file's place
 
 
@@ -83,6 +84,11 @@ def run_refine(arguments: argparse.Namespace) -> int:
         saved = _save(result, out, state)  # a signal ends it, and what was said stays true
         console.show(1.0, "done")
         console.tell(f"{saved}: {len(corrections)} frames corrected, solved in {seconds:.1f} s")
+        if saved == out and (names := _drawn_before(arguments.performance, out)):
+            console.tell(
+                f"{out.parent}: {names} still of the performance before; mimetic capture with "
+                "--corrections draws anew"
+            )
         if saved != out:
             console.tell(
                 f"{out} was replaced while this was solved, and stays as it is: refine it again, "
@@ -90,6 +96,15 @@ def run_refine(arguments: argparse.Namespace) -> int:
             )
             return FAILED
     return 0
+
+
+def _drawn_before(performance: Path, out: Path) -> str:
+    """Which drawings of a capture lie beside a performance that is refined in place: they need
+    the footage's pictures, and a refinement reads none."""
+    if os.path.realpath(performance) != os.path.realpath(out):
+        return ""
+    names = [name for name in (REPORT, OVERLAY) if (out.parent / name).is_file()]
+    return f"{' and '.join(names)} {'are' if len(names) > 1 else 'is'}" if names else ""
 
 
 def _save(performance: Performance, out: Path, state: tuple[int, ...]) -> Path:

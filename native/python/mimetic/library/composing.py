@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -83,7 +83,8 @@ def compose(
     person = canonical_person() if person is None else person
     names = [*person.muscles, *person.articulators]
     values, stds = play(pairs, names, fps, seconds, options)
-    return played_by(person, values, stds, fps, _notes(pairs, names))
+    notes = _notes(pairs, names, _stretch(pairs, seconds))
+    return played_by(person, values, stds, fps, notes)
 
 
 def played_by(
@@ -123,22 +124,34 @@ def play(
 
     seconds: that the whole lasts, starts and lengths being stretched. Raises InvalidInput.
     """
-    if not pairs:
-        raise InvalidInput("name an expression to compose")
-    whole = max(_end(placing, expression) for placing, expression in pairs)
-    if whole <= 0:
-        raise InvalidInput(
-            "nothing is left to compose: every expression ends before 0 s; begin one of them later"
-        )
-    stretch = 1.0 if seconds is None else seconds / whole
+    stretch = _stretch(pairs, seconds)
+    whole = _whole(pairs)
     if not 0 < whole * stretch <= MOST_SECONDS:
         raise InvalidInput(
             f"the composition would last {whole * stretch:.6g} seconds; it must be above 0 and at "
             f"most {MOST_SECONDS:g}"
         )
     parts = [_part(placing, expression, names, stretch, fps) for placing, expression in pairs]
-    times = np.arange(max(2, round(whole * stretch * fps) + 1)) / fps
+    num_steps = math.ceil(whole * stretch * fps - 1e-6)  # so that the last row is at rest again
+    times = np.arange(max(2, num_steps + 1)) / fps
     return _core.compose_expressions(parts, times, options or _core.CompositionOptions())
+
+
+def _stretch(pairs: Sequence[tuple[Placing, Expression]], seconds: float | None) -> float:
+    """What starts and lengths are multiplied by; raises InvalidInput."""
+    if not pairs:
+        raise InvalidInput("name an expression to compose")
+    whole = _whole(pairs)
+    if whole <= 0:
+        raise InvalidInput(
+            "nothing is left to compose: every expression ends before 0 s; begin one of them later"
+        )
+    return 1.0 if seconds is None else seconds / whole
+
+
+def _whole(pairs: Sequence[tuple[Placing, Expression]]) -> float:
+    """Seconds until the last expression ends, before they are stretched."""
+    return max(_end(placing, expression) for placing, expression in pairs)
 
 
 def _onset(placing: Placing, expression: Expression) -> float:
@@ -185,9 +198,15 @@ def _still_rows(values: NDArray[np.float64], seconds: float, fps: float) -> NDAr
     return _core.still_motion(values, num_rows, *shares)
 
 
-def _notes(pairs: list[tuple[Placing, Expression]], names: list[str]) -> Any:
+def _notes(
+    pairs: list[tuple[Placing, Expression]], names: list[str], stretch: float
+) -> Iterator[str]:
     for placing, expression in pairs:
-        yield f"composed: {placing.name} at {placing.start:g} s, strength {placing.strength:g}"
+        start, length = stretch * placing.start, stretch * _length(placing, expression)
+        yield (
+            f"composed: {placing.name} at {start:.4g} s, {length:.4g} s long, strength "
+            f"{placing.strength:g}"
+        )
         missing = [name for name in expression.channels if name not in names]
         if missing:
             yield f"{placing.name}: this head has no {', '.join(missing)}"

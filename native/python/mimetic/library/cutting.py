@@ -33,9 +33,10 @@ def cut_motion(
     line between the first and the last frame, so that it begins and ends at rest. Raises
     InvalidInput.
     """
-    performance = timing.performance
+    performance, event = timing.performance, None
     if frames is None:
-        first, last = _rows_of(_event(timing, group, number), timing)
+        event = _event(timing, group, number)
+        first, last = _rows_of(event, timing)
     elif group is not None or number is not None:
         raise InvalidInput("frames and an event cannot both be given")
     else:
@@ -52,7 +53,15 @@ def cut_motion(
     limits = limits_of(channels, performance.muscles)
     moving_channels, moving = _moving(channels, values, limits, is_from_rest)
     if not moving_channels:
-        raise InvalidInput(f"nothing moves from frame {numbers[0]} to {numbers[-1]}")
+        if not is_from_rest or not _moving(channels, values - values.min(axis=0), limits, False)[0]:
+            raise InvalidInput(f"nothing moves from frame {numbers[0]} to {numbers[-1]}")
+        is_cut = event is not None and event.fit.begins_before
+        why = "; the event begins before the clip, or its scene" if is_cut else ""
+        raise InvalidInput(
+            f"less than {LEAST_VALUE:g} (of the gaze {LEAST_TURN:g} degrees) is left of what moves "
+            f"from frame {numbers[0]} to {numbers[-1]} once the straight line between the two is "
+            f"taken off{why}; try --as-captured"
+        )
     names, events = _phases(timing, first, last, only)
     name = performance.footage[0] if performance.footage else ""
     source = [name, f"{numbers[0]} to {numbers[-1]}"]

@@ -29,7 +29,8 @@ class ActionUnit:
 
     name: str
     meaning: str
-    group: int  # of muscles that do the same, 1 to 7
+    group: int  # of muscles that do the same, 1 to 7; 0 where none do
+    course: str  # of articulators that do it then, one of `timing.COURSES`; "" where muscles do
     mode: NDArray[np.float64]  # V x 3, metres at intensity 1, head frame
     reach: NDArray[np.float64]  # V, 0 to 1, above 0 where it moves skin
 
@@ -66,7 +67,8 @@ def action_unit(name: str, neutral: NDArray[np.float64], template: FaceTemplate)
         displacements = rows[:, 3:] * table["unit_metres"]
         mode += share * _core.displacement_about(neutral, is_skin, places, displacements, radius)
         reach = np.maximum(reach, _core.nearness_to(neutral, is_skin, places, radius))
-    return ActionUnit(unit_name, entry["meaning"], entry["group"], mode, reach)
+    done_by = entry.get("group", 0), entry.get("course", "")
+    return ActionUnit(unit_name, entry["meaning"], *done_by, mode, reach)
 
 
 def unit_sides(

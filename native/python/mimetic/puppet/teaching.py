@@ -45,11 +45,17 @@ def teach(
 
     One of the looks may be called `neutral`; otherwise the frame nearest to rest is. frames: those
     that are taught from, by default all; num_examples: of solved frames whose scores and state are
-    kept as examples, 0: the looks alone; left_out: frames that nothing is taught from; model: that
-    the head is followed by. Raises InvalidInput, UnreadableMedia.
+    kept as examples, 0, or a look with values of its own: the looks alone; left_out: frames that
+    nothing is taught from; model: that the head is followed by. Raises InvalidInput,
+    UnreadableMedia.
     """
     teaching = _Teaching(footage, performance, frames, progress, left_out, model)
     return teaching.run(looks, num_chosen, num_examples)
+
+
+def has_own_state(looks: Iterable[Look]) -> bool:
+    """Whether one drives something else than what was captured in its frame."""
+    return any(look.values is not None for look in looks)
 
 
 def best_seen(
@@ -112,6 +118,8 @@ class _Teaching:
         self.usable &= np.isin(self.performance.frame, list(poses))
         if not self.usable.any():
             raise InvalidInput("the head was not followed in any frame that can be taught from")
+        if has_own_state(looks):
+            num_examples = 0  # they teach what was captured, and would contradict it
         looks = self._with_rest(looks)
         looks = [*looks, *self._chosen(looks, num_chosen)]
         pictures, shaken = self._still_pictures(poses, {look.frame for look in looks}, num_examples)

@@ -30,9 +30,11 @@ MOST_FRAMES = 8
 # Root sum of squares of activations and jaw: of an expression, and between frames that count as
 # different where expressions are strong; half the strongest where they are weak.
 LEAST_SEEN, LEAST_APART = 0.15, 0.5
-MOST_ROUNDS = 3
+MOST_ROUNDS = 8
 LARGEST_STEP = 0.4  # of a logarithm in one round: modes are linearised between rounds
-SETTLED = 0.03  # change of a logarithm
+# Change in a round, in standard deviations: below it what is linearised hardly matters, and some
+# insertions go to and fro by .25 for ever.
+SETTLED = 0.3
 # With more of its prior's standard deviation left, a factor is not informed and stays at 1.
 UNINFORMED = 0.9
 
@@ -43,7 +45,8 @@ class CalibrationResult:
 
     stiffness_std, strength_std: of the logarithms, by name, of every factor that was asked for;
     insertion_std: millimetres outwards and up, of the muscles of strength_std; gain: of the
-    logarithm of the evidence, priors included, over all factors at 1.
+    logarithm of the evidence, priors included, over all factors at 1; is_settled: whether the last
+    round moved nothing by much, so that this is the maximum.
     """
 
     calibration: Calibration
@@ -51,6 +54,7 @@ class CalibrationResult:
     strength_std: dict[str, float]
     insertion_std: dict[str, tuple[float, float]]
     gain: float
+    is_settled: bool = True
 
 
 class NothingSeen(InvalidInput):
@@ -101,7 +105,7 @@ def estimate(
     std = _prior_std(response)
     place = np.zeros(len(factors.prior))
     whitened_sightings: list[_core.WhitenedSighting] = []
-    first = 0.0
+    first, is_settled = 0.0, False
 
     def go_on(turn: int, fraction: float) -> bool:
         if progress and not progress((turn + fraction) / MOST_ROUNDS):
@@ -119,11 +123,11 @@ def estimate(
         peak, before = _core.most_probable(frames, factors.core, place, LARGEST_STEP, half)
         if turn == 0:
             first = before
-        is_settled = np.abs(peak.place - place).max() < SETTLED
+        is_settled = bool((np.abs(peak.place - place) < SETTLED * peak.std).all())
         place = peak.place
         if is_settled:
             break
-    return _result(peak, factors, selection, first)
+    return _result(peak, factors, selection, first, is_settled)
 
 
 def _prior_std(response: SkinResponse) -> Floats:
@@ -191,7 +195,11 @@ class Factors:
 
 
 def _result(
-    peak: _core.Peak, factors: Factors, selection: list[_core.Sighting], first: float
+    peak: _core.Peak,
+    factors: Factors,
+    selection: list[_core.Sighting],
+    first: float,
+    is_settled: bool,
 ) -> CalibrationResult:
     is_informed = peak.std < UNINFORMED * factors.prior
     place = np.where(is_informed, peak.place, 0.0)
@@ -204,4 +212,5 @@ def _result(
         dict(zip(muscles, strength.tolist(), strict=True)),
         {name: (x, y) for name, x, y in zip(muscles, *shifts.tolist(), strict=True)},
         peak.height - first,
+        is_settled,
     )

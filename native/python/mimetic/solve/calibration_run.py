@@ -24,7 +24,7 @@ from mimetic.solve.walk import Image, Pose
 
 LEAST_FRAMES = 15  # in which the face was followed
 MOST_FRAMES = 600  # of footage: 20 s show what there is, and all are kept in memory
-WEIGHED = 0.7  # of what following costs, for the progress
+WEIGHED = 1.8  # of what following costs, for the progress: all rounds
 
 
 class _ObservedCapture(ClipCapture):
