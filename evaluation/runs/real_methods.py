@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from mimetic import InvalidInput, _core
 from mimetic.fit.face_model import limit_positions
-from mimetic.fit.fitting import NoFace, find_face
+from mimetic.fit.fitting import find_face
 from mimetic.fit.line_fit import with_lines
 from mimetic.locate.feature_networks import (
     CONTOUR_POINTS,
@@ -77,11 +77,12 @@ def by_fit(labels: Labels, footage: Footage) -> NDArray[np.float64]:
 
 
 def fitted_points(image: NDArray[np.uint8], frame: int = 1) -> NDArray[np.float64]:
-    """POINTS x 2 of the head fitted to one picture (H x W x 3); nan where none fits."""
+    """POINTS x 2 of the head fitted to one picture (H x W x 3); nan where none fits, or one whose
+    skin lies turned over."""
     template = load_template()
     on_limit, skin = limit_positions(template), template.num_skin_vertices
     places = np.full((len(POINTS), 2), np.nan)
-    with contextlib.suppress(NoFace):
+    with contextlib.suppress(InvalidInput):
         fit = with_lines(find_face(np.ascontiguousarray(image), frame), (), template)
         head = fit.neutral_vertices(template)
         irises = iris_fronts(head, template)

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/locate/cascade.hpp>
 #include <mimetic/locate/locate.hpp>
+#include <mimetic/locate/well_lit.hpp>
 #include <optional>
 
 #include "arrays.hpp"
+#include "picture_arrays.hpp"
 
 namespace mimetic::bindings {
 
@@ -97,6 +99,31 @@ void bind_locate(py::module_& m) {
         "image: (H, W, 3) uint8 RGB\nexpected: FaceFeatures with pupil.L and pupil.R at least\n"
         "search: half width of the search, interpupillary distances\n"
         "mouth_and_jaw: measure these alone");
+    m.def(
+        "light_ratio",
+        [](const ImageArray& image, const FaceFeatures& face) {
+            const ColorView view = view_image<3>(image, "image");
+            const py::gil_scoped_release release;
+            return light_ratio(view, crop_about(face));
+        },
+        py::arg("image").noconvert(), "face"_a,
+        "The light on the brighter half of a face over that on its darker one, 1 or more.\n\n"
+        "image: (H, W, 3) uint8 RGB");
+    m.def(
+        "well_lit",
+        [](const ImageArray& image, const FaceFeatures& face) {
+            const ColorView view = view_image<3>(image, "image");
+            std::optional<ColorImage> lit;
+            {
+                const py::gil_scoped_release release;
+                lit = well_lit(view, crop_about(face));
+            }
+            return lit ? array_of(*lit) : image;
+        },
+        py::arg("image").noconvert(), "face"_a,
+        "The picture with a badly lit face made brighter, and its darker half as bright as the other; "
+        "itself\n"
+        "where the face is lit evenly and well.\n\nimage: (H, W, 3) uint8 RGB\nreturns: (H, W, 3) uint8");
 }
 
 }  // namespace mimetic::bindings

@@ -2,6 +2,7 @@
 #include <array>
 #include <filesystem>
 #include <mimetic/locate/locate.hpp>
+#include <mimetic/locate/well_lit.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mutex>
 #include <numbers>
@@ -271,6 +272,15 @@ FaceLocator& FaceLocator::operator=(FaceLocator&&) noexcept = default;
 std::vector<FaceFeatures> FaceLocator::locate(ColorView image) const {
     check_image_size(image.rows, image.cols, "image");
     std::vector<FaceFeatures> found = search(image, options_);
+    if (found.empty()) found = search(with_raised_shadows(image).view(), options_);
+    for (FaceFeatures& face : found) {
+        const std::optional<ColorImage> lit = well_lit(image, crop_about(face));
+        if (!lit) continue;
+        const std::vector<FaceFeatures> again = search(lit->view(), options_);
+        const auto same =
+            std::ranges::find_if(again, [&](const auto& other) { return is_same(face, other); });
+        if (same != again.end()) face = *same;
+    }
     if (found.empty()) {
         const locate::Widened wide(image);
         LocateOptions filling = options_;

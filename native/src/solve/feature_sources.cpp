@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <array>
+#include <mimetic/locate/well_lit.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/solve/features.hpp>
 #include <opencv2/core/utility.hpp>
@@ -42,14 +43,16 @@ void see_eyes(const Source& source, const ColorView& image, const FeatureCrops& 
     }
 }
 
-/// Sees on the crops of each frame; nothing where one lies beside the picture.
+/// Sees on the crops of each frame, well lit; nothing where one lies beside the picture.
 template <typename See>
 FeatureSource on_crops(const Camera& camera, PointsIn anchors, const See& see) {
     return [camera, places = Points(anchors), see](const ColorView& image,
                                                    const Eigen::Isometry3d& camera_from_head) {
         std::vector<SeenOpening> seen(3);
         try {
-            see(image, feature_crops(camera, camera_from_head, places), seen);
+            const FeatureCrops crops = feature_crops(camera, camera_from_head, places);
+            const std::optional<ColorImage> lit = well_lit(image, crops.face);
+            see(lit ? lit->view() : image, crops, seen);
         } catch (const InvalidInput&) {
             return std::vector<SeenOpening>(3);
         }

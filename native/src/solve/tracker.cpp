@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/locate/well_lit.hpp>
 #include <mimetic/shared/error.hpp>
 
 #include "shared/gray.hpp"
@@ -12,6 +13,20 @@ constexpr float kErrorReach = 3;       // of the model error field's exponent
 constexpr double kFoundQuality = .45;  // a lost face counts as found again from here
 constexpr double kKeyViewQuality = .6;
 constexpr std::size_t kFewestSamples = 100;
+// The square about a face in which its light is looked at: of the mean head, as `feature_crops` places it
+constexpr double kFaceSide = .25;                   // metres
+const Eigen::Vector3d kFaceMiddle(0, -.0014, .08);  // head frame, metres
+
+/// Grey values of a frame in which the face is near a pose; of a badly lit face those of a picture in which
+/// it is well lit, since what is known of noise, and of how textures look alike, is in grey levels.
+cv::Mat1b gray_of(const Camera& camera, const ColorView& image, const Eigen::Isometry3d& camera_from_head) {
+    std::optional<ColorImage> lit;
+    try {
+        lit = well_lit(image, crop_round(camera, camera_from_head, kFaceMiddle, kFaceSide));
+    } catch (const InvalidInput&) {  // a head that is not before the camera
+    }
+    return to_gray(lit ? lit->view() : image);
+}
 
 ErrorField<float> error_field(const ReferenceView& view) {
     std::vector<Eigen::Vector3f> points;
@@ -243,8 +258,8 @@ FaceTracker::FaceTracker(const Camera& camera, const TrackedSurface& surface, co
                 .norm() > 1e-3) {
         throw InvalidInput("camera_from_head must be a rotation and a translation, finite");
     }
-    state_ = std::make_unique<State>(camera, surface, motion, features, options, image, to_gray(image),
-                                     camera_from_head);
+    state_ = std::make_unique<State>(camera, surface, motion, features, options, image,
+                                     gray_of(camera, image, camera_from_head), camera_from_head);
 }
 
 FaceTracker::~FaceTracker() = default;
@@ -258,7 +273,8 @@ FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<E
     {
         const StageClock whole(frame.times.total_ms);
         frame.color = image;
-        frame.gray = to_gray(image);
+        frame.gray =
+            gray_of(state_->face.camera, image, guess.value_or(state_->memory.state.camera_from_head));
         estimate = state_->follow(frame, guess);
     }
     estimate.times = frame.times;
@@ -274,7 +290,8 @@ void FaceTracker::restart(const ColorView& image, const FrameEstimate& estimate)
     Recognition recognition = std::move(s.memory.recognition);
     recognition.end_doubt();
     DepthErrors depth_errors = std::move(s.memory.depth_errors);
-    s.memory = first_memory(s.face, to_gray(image), {estimate.camera_from_head, estimate.values});
+    s.memory = first_memory(s.face, gray_of(s.face.camera, image, estimate.camera_from_head),
+                            {estimate.camera_from_head, estimate.values});
     s.memory.recognition = std::move(recognition);  // it is the same face
     s.memory.depth_errors = std::move(depth_errors);
 }

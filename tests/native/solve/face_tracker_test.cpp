@@ -139,6 +139,22 @@ TEST(FaceTracker, DoesNotTakeLightForMotion) {
     }
 }
 
+TEST(FaceTracker, FollowsAFaceInLittleLight) {
+    constexpr double kLight = .06, kNoise = .7;
+    const Clip clip = expressive_clip(16);
+    const Image first = scene().render(scene().camera_from_head, scene().rest(), kNoise, kLight, 0, 5);
+    FaceTracker tracker(scene().camera, scene().surface, scene().motion, scene().view(first),
+                        scene().camera_from_head);
+    for (std::size_t t = 1; t < clip.poses.size(); ++t) {
+        const FrameEstimate estimate = advance(
+            tracker,
+            scene().render(clip.poses[t], clip.values[t], kNoise, kLight, 0, static_cast<unsigned>(t + 7)));
+        EXPECT_FALSE(estimate.held) << "frame " << t;
+        EXPECT_LT(degrees_between(estimate.camera_from_head, clip.poses[t]), 1.5) << "frame " << t;
+        EXPECT_LT((estimate.values - clip.values[t]).head(6).cwiseAbs().maxCoeff(), .35) << "frame " << t;
+    }
+}
+
 TEST(FaceTracker, DrivesValuesByWhatMovesAndKeepsThemWithinBounds) {
     FaceTracker tracker = make_tracker();
     FrameEstimate estimate;

@@ -9,7 +9,6 @@ from mimetic._core import chances_of_rest
 from mimetic.fit.fitting import (
     FaceFit,
     NoFace,
-    as_rgb,
     find_face,
     judge_frame,
     landmark_places,
@@ -148,12 +147,6 @@ def test_of_two_faces_the_larger_is_taken_and_the_other_can_be_chosen(template, 
     ] > 480  # who was chosen stays chosen
     with pytest.raises(InvalidInput, match="shows 2"):
         find_face(both, template=template, choice=2)
-
-
-def test_rgb_of_grey_and_of_transparent_pictures():
-    grey = np.arange(400, dtype=np.uint8).reshape(20, 20)
-    assert (as_rgb(grey) == grey[:, :, None]).all()
-    assert as_rgb(np.dstack([grey] * 4)).shape == (20, 20, 3)
 
 
 def test_saved_fit_loads_the_same(tmp_path, template, fitted):

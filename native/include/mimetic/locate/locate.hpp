@@ -60,7 +60,9 @@ public:
     FaceLocator& operator=(FaceLocator&&) noexcept;
 
     /// Every face, the largest first; from several threads at once if need be. A grey image comes as three
-    /// equal channels. Where there is none, one that fills the image is looked for, whose box may go beyond.
+    /// equal channels. A badly lit face is measured in a picture in which it is well lit (`well_lit`). Where
+    /// there is none, it is looked for in shadows, and then one that fills the image, whose box may go
+    /// beyond.
     std::vector<FaceFeatures> locate(ColorView image) const;
 
 private:

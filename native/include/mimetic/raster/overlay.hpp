@@ -2,7 +2,7 @@
 #pragma once
 #include <mimetic/raster/quad_edges.hpp>
 #include <mimetic/shared/camera.hpp>
-#include <mimetic/shared/image.hpp>
+#include <mimetic/shared/color_image.hpp>
 #include <mimetic/shared/types.hpp>
 #include <string>
 #include <vector>
@@ -15,15 +15,6 @@ struct OverlayOptions {
     double depth_tolerance = 4e-3;  ///< metres that a line may lie behind the surface and still be drawn
     double held_quality = 0.2;      ///< below it the frame is drawn and labelled as held
     void check() const;             ///< throws InvalidInput: field, value, limit
-};
-
-/// An image that owns its pixels: rows x cols x 3, red, green, blue.
-struct ColorImage {
-    int rows = 0;
-    int cols = 0;
-    std::vector<std::uint8_t> pixels;
-
-    ColorView view() const { return {pixels.data(), rows, cols, 3 * std::ptrdiff_t{cols}}; }
 };
 
 class DepthMap;

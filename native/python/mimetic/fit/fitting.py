@@ -27,6 +27,7 @@ from mimetic.locate.feature_networks import feature_anchors
 from mimetic.locate.landmarks import BETWEEN_PREFIX, installed_cascade, measured_landmarks
 from mimetic.shared.installed_data import data_folder
 from mimetic.shared.parallel import both
+from mimetic.shared.picture import as_rgb
 from mimetic.template.face_template import FaceTemplate, load_template
 
 __all__ = [
@@ -83,6 +84,7 @@ def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = Non
     if not faces:
         return None
     face = faces[0 if near is None else _nearest(faces, near)]
+    image = _core.well_lit(image, face)
     score, detail = _core.rest_score(image, face), _core.face_detail(image, face)
     return Judged(score, detail, _core.expression_of(face), face, faces)
 
@@ -159,6 +161,7 @@ def _fitted(
     Landmarks come from a regression that starts from a view of the face. The finder's is mostly
     right; where the halves of the warped face do not match, it was not, or this is no face.
     """
+    image = _core.well_lit(image, face)
     views = [view.yaw for view in installed_cascade().views]
     for yaw in sorted(views, key=lambda yaw: abs(yaw - face.yaw)):
         try:
@@ -286,6 +289,7 @@ def lone_view(
     template: FaceTemplate,
 ) -> FittedView | None:
     """A picture by itself: its landmarks, from the features found, and their pose."""
+    image = _core.well_lit(image, features)
     landmarks = measured_landmarks(image, features)
     model = face_model(template)
     estimate = _core.fit_face(model, [_core.FaceView(landmarks)], camera)
@@ -359,22 +363,6 @@ def _as_fit(
         residual=residual,
         views=views,
     )
-
-
-def as_rgb(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """(H, W, 3) uint8, C order, from RGB, RGBA or grey; raises InvalidInput."""
-    image = np.asarray(image)
-    if image.dtype != np.uint8:
-        raise InvalidInput(f"image is {image.dtype}; 8-bit pixels (uint8) are needed")
-    if image.ndim == 3 and image.shape[2] == 1:
-        image = image[:, :, 0]
-    if image.ndim == 2:
-        image = np.repeat(image[:, :, None], 3, axis=2)
-    if image.ndim != 3 or image.shape[2] not in (3, 4):
-        raise InvalidInput(
-            f"image has shape {image.shape}; (height, width) or (height, width, 3) is needed"
-        )
-    return np.ascontiguousarray(image[:, :, :3])
 
 
 def _expected(

@@ -1,12 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Places in pictures as parts of the whole; pictures as graphics cards take them."""
+"""Pictures of any kind as RGB, places in them as parts of the whole, and as graphics cards do."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mimetic import _core
+from mimetic import InvalidInput, _core
+
+
+def as_rgb(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """(H, W, 3) uint8, C order, from RGB, RGBA or grey; raises InvalidInput."""
+    image = np.asarray(image)
+    if image.dtype != np.uint8:
+        raise InvalidInput(f"image is {image.dtype}; 8-bit pixels (uint8) are needed")
+    if image.ndim == 3 and image.shape[2] == 1:
+        image = image[:, :, 0]
+    if image.ndim == 2:
+        image = np.repeat(image[:, :, None], 3, axis=2)
+    if image.ndim != 3 or image.shape[2] not in (3, 4):
+        raise InvalidInput(
+            f"image has shape {image.shape}; (height, width) or (height, width, 3) is needed"
+        )
+    return np.ascontiguousarray(image[:, :, :3])
 
 
 def picture_coordinates(pixels: ArrayLike, image_size: ArrayLike) -> NDArray[np.float64]:

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mimetic/locate/well_lit.hpp>
+#include <numbers>
+#include <vector>
+
+namespace mimetic {
+namespace {
+
+constexpr int kWidth = 200, kHeight = 160, kSkin = 160, kMark = 60;
+const FeatureCrop kFace{{100, 80}, 120, 0};
+
+/// Skin of one grey with dark marks, 4 pixels wide and 20 apart; light falls off over 20 pixels in the
+/// middle, to `dark` on the right.
+std::vector<std::uint8_t> half_lit(double dark) {
+    std::vector<std::uint8_t> pixels;
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            const double light = 1 + (dark - 1) * std::clamp((x - 90) / 20., 0., 1.);
+            const double grey = light * (x % 20 < 4 && y % 20 < 4 ? kMark : kSkin);
+            pixels.insert(pixels.end(), 3, static_cast<std::uint8_t>(std::lround(grey)));
+        }
+    }
+    return pixels;
+}
+
+ColorView view_of(const std::vector<std::uint8_t>& pixels) {
+    return {pixels.data(), kHeight, kWidth, 3 * kWidth};
+}
+
+TEST(WellLit, LeavesAWellLitFaceAlone) {
+    for (const double dark : {1., .8}) {
+        const auto pixels = half_lit(dark);
+        EXPECT_LT(light_ratio(view_of(pixels), kFace), 1.4);
+        EXPECT_FALSE(well_lit(view_of(pixels), kFace));
+    }
+}
+
+TEST(WellLit, RaisesTheDarkHalfAndKeepsItsMarks) {
+    const auto pixels = half_lit(.2);
+    EXPECT_GT(light_ratio(view_of(pixels), kFace), 2.5);
+    const auto lit = well_lit(view_of(pixels), kFace);
+    ASSERT_TRUE(lit);
+    EXPECT_LT(light_ratio(lit->view(), kFace), 1.4);
+    const int bright_skin = lit->view().row(70)[3 * 70], dark_skin = lit->view().row(70)[3 * 130];
+    const int dark_mark = lit->view().row(62)[3 * 142];
+    EXPECT_NEAR(bright_skin, kSkin, 16);
+    EXPECT_NEAR(dark_skin, kSkin, 40);  // not .2 of it
+    EXPECT_LT(dark_mark, .65 * dark_skin);
+    // Little is added at once as a face becomes uneven: nothing jumps from frame to frame
+    const auto little = half_lit(.62);
+    const auto raised = well_lit(view_of(little), kFace);
+    ASSERT_TRUE(raised);
+    EXPECT_LT(raised->view().row(70)[3 * 130], 1.2 * little[3 * (70 * kWidth + 130)]);
+}
+
+TEST(WellLit, MakesADimFaceBrighter) {
+    std::vector<std::uint8_t> pixels = half_lit(1);
+    for (std::uint8_t& value : pixels) value = static_cast<std::uint8_t>(value / 12);
+    const auto lit = well_lit(view_of(pixels), kFace);
+    ASSERT_TRUE(lit);
+    const int skin = lit->view().row(70)[3 * 70], mark = lit->view().row(62)[3 * 142];
+    EXPECT_GT(skin, 50);  // of 13
+    EXPECT_LT(mark, .6 * skin);
+}
+
+TEST(WellLit, FollowsALeantFace) {
+    FeatureCrop leant = kFace;
+    leant.roll = std::numbers::pi / 2;  // its halves lie above each other, lit alike
+    EXPECT_LT(light_ratio(view_of(half_lit(.2)), leant), 1.4);
+}
+
+TEST(WellLit, SaysNothingBesideThePicture) {
+    const auto pixels = half_lit(.2);
+    FeatureCrop beside = kFace;
+    beside.center.x() = 5000;
+    EXPECT_EQ(light_ratio(view_of(pixels), beside), 1);
+    EXPECT_FALSE(well_lit(view_of(pixels), beside));
+    beside.side = std::nan("");
+    EXPECT_ANY_THROW(light_ratio(view_of(pixels), beside));
+}
+
+TEST(WellLit, RaisesAllShadowsToLookForAFace) {
+    const auto pixels = half_lit(.1);
+    const ColorImage raised = with_raised_shadows(view_of(pixels));
+    EXPECT_GT(raised.view().row(70)[3 * 190], 3 * pixels[3 * (70 * kWidth + 190)]);
+    EXPECT_NEAR(raised.view().row(70)[3 * 10], kSkin, 16);
+}
+
+}  // namespace
+}  // namespace mimetic
