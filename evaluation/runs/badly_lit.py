@@ -5,8 +5,9 @@
 
 Of each marked clip frames spread over it are darkened as a whole, or to the right of the face and
 then to the left of it, as a lamp at the other side would leave them, down to a share of their
-light; noise of a camera is added. Prints in how many a head is fitted and how far it lies from the
-marks, and, where scripts/face_mesh_env works, the same of MediaPipe's mesh in its mode for stills.
+light; noise of a camera is added. Prints how many are made brighter for what looks at the face, in
+how many a head is fitted and how far it lies from the marks, and, where scripts/face_mesh_env
+works, the same of MediaPipe's mesh in its mode for stills.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from mimetic import _core
+from mimetic.fit.fitting import judge_frame
 from mimetic.media.footage import Footage
 from mimetic.score.text_table import text_table
 from numpy.typing import NDArray
@@ -36,6 +39,7 @@ SOFTNESS = 0.55  # interpupillary distances over which light falls off
 NOISE = 1.5  # grey levels
 FAR = 12.0  # % of the interpupillary distance: a fit whose points lie as far on the mean is wrong
 COLUMNS = {
+    "raised": ("made brighter", ".0%"),
     "fitted": ("faces", ".0%"),
     "wrong": ("of them wrong", ".0%"),
     **{feature: (feature, ".1f") for feature in FEATURES},
@@ -83,6 +87,12 @@ def pictures(frames_a_clip: int) -> Iterator[Shown]:
                 yield Shown(light, np.clip(np.round(lit), 0, 255).astype(np.uint8), own)
 
 
+def is_raised(image: NDArray[np.uint8]) -> bool:
+    """Whether finders and networks are shown another picture of the face that is found in it."""
+    found = judge_frame(image)
+    return found is not None and _core.well_lit(image, found.features) is not image
+
+
 def figures(shown: list[Shown], places: list[NDArray[np.float64]]) -> dict[str, float]:
     """Of one method in pictures of one light. places: POINTS x 2 each, nan where it sees none."""
     off = np.concatenate(
@@ -117,6 +127,7 @@ def main(arguments: list[str] | None = None) -> int:
             method: figures([shown[i] for i in chosen], [seen[i] for i in chosen])
             for method, seen in places.items()
         }
+        rows[FIRST_FIT]["raised"] = np.mean([is_raised(shown[i].image) for i in chosen])
         print(text_table(f"{light}: {len(chosen)} pictures", COLUMNS, rows))
     return 0
 

@@ -100,16 +100,6 @@ void bind_locate(py::module_& m) {
         "search: half width of the search, interpupillary distances\n"
         "mouth_and_jaw: measure these alone");
     m.def(
-        "light_ratio",
-        [](const ImageArray& image, const FaceFeatures& face) {
-            const ColorView view = view_image<3>(image, "image");
-            const py::gil_scoped_release release;
-            return light_ratio(view, crop_about(face));
-        },
-        py::arg("image").noconvert(), "face"_a,
-        "The light on the brighter half of a face over that on its darker one, 1 or more.\n\n"
-        "image: (H, W, 3) uint8 RGB");
-    m.def(
         "well_lit",
         [](const ImageArray& image, const FaceFeatures& face) {
             const ColorView view = view_image<3>(image, "image");

@@ -14,14 +14,15 @@ namespace {
 constexpr double kCropPerBox = 1.6;  // sides of a face's crop, in widths of the box that a finder gives
 // The light is smooth but for the edges of shadows, which are darker than a face's own marks. Chosen on
 // frames of five clips of real people, of which one half was darkened to a fifth and a tenth
-constexpr double kRadius = 0.11;            // of the filter, in sides of a face's crop
-constexpr double kEdge = 0.5;               // variance of the logarithm that is half an edge
-constexpr int kCoarseRadius = 8;            // pixels that the filter's radius is shrunk to
-constexpr float kDark = 0.012F;             // of white, added to every pixel: noise in black is no light
-constexpr double kMostGain = 16;            // more only raises noise
-constexpr double kEven = 1.4, kUneven = 2;  // ratios at which raising begins, and is full
-constexpr double kReach = 0.75;             // of a crop's side: its corners, however it is turned
-constexpr double kBright = 0.8;             // quantile of the light on a face that is taken for full light
+constexpr double kRadius = 0.11;  // of the filter, in sides of a face's crop
+constexpr double kEdge = 0.5;     // variance of the logarithm that is half an edge
+constexpr int kCoarseRadius = 8;  // pixels that the filter's radius is shrunk to
+constexpr float kDark = 0.012F;   // of white, added to every pixel: noise in black is no light
+constexpr double kMostGain = 16;  // more only raises noise
+constexpr double kEven = 1.4;     // ratio of the light on both halves from which it is evened; 1.3 is usual
+constexpr double kUneven = 2;     // from which it is evened altogether
+constexpr double kReach = 0.75;   // of a crop's side: its corners, however it is turned
+constexpr double kBright = 0.8;   // quantile of the light on a face that is taken for full light
 // Light on a face, of white, below which raising begins and is full, and what it is raised to
 constexpr double kDim = 0.14, kTooDim = 0.08, kWell = 0.35;
 constexpr double kBrightOfAll = 0.9;     // of the light in a whole picture
@@ -188,11 +189,6 @@ FeatureCrop crop_about(const FaceFeatures& face) {
     crop.side = kCropPerBox * face.box(2);
     crop.roll = face.roll;
     return crop;
-}
-
-double light_ratio(ColorView image, const FeatureCrop& face) {
-    const std::optional<LitFace> lit = light_on(image, face);
-    return lit ? std::exp(lit->halves.log_ratio()) : 1;
 }
 
 std::optional<ColorImage> well_lit(ColorView image, const FeatureCrop& face) {

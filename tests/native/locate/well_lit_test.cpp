@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mimetic/locate/well_lit.hpp>
+#include <mimetic/shared/error.hpp>
 #include <numbers>
 #include <vector>
 
@@ -34,17 +35,14 @@ ColorView view_of(const std::vector<std::uint8_t>& pixels) {
 TEST(WellLit, LeavesAWellLitFaceAlone) {
     for (const double dark : {1., .8}) {
         const auto pixels = half_lit(dark);
-        EXPECT_LT(light_ratio(view_of(pixels), kFace), 1.4);
         EXPECT_FALSE(well_lit(view_of(pixels), kFace));
     }
 }
 
 TEST(WellLit, RaisesTheDarkHalfAndKeepsItsMarks) {
     const auto pixels = half_lit(.2);
-    EXPECT_GT(light_ratio(view_of(pixels), kFace), 2.5);
     const auto lit = well_lit(view_of(pixels), kFace);
     ASSERT_TRUE(lit);
-    EXPECT_LT(light_ratio(lit->view(), kFace), 1.4);
     const int bright_skin = lit->view().row(70)[3 * 70], dark_skin = lit->view().row(70)[3 * 130];
     const int dark_mark = lit->view().row(62)[3 * 142];
     EXPECT_NEAR(bright_skin, kSkin, 16);
@@ -70,17 +68,18 @@ TEST(WellLit, MakesADimFaceBrighter) {
 TEST(WellLit, FollowsALeantFace) {
     FeatureCrop leant = kFace;
     leant.roll = std::numbers::pi / 2;  // its halves lie above each other, lit alike
-    EXPECT_LT(light_ratio(view_of(half_lit(.2)), leant), 1.4);
+    const auto pixels = half_lit(.3);
+    EXPECT_TRUE(well_lit(view_of(pixels), kFace));
+    EXPECT_FALSE(well_lit(view_of(pixels), leant));
 }
 
 TEST(WellLit, SaysNothingBesideThePicture) {
     const auto pixels = half_lit(.2);
     FeatureCrop beside = kFace;
     beside.center.x() = 5000;
-    EXPECT_EQ(light_ratio(view_of(pixels), beside), 1);
     EXPECT_FALSE(well_lit(view_of(pixels), beside));
     beside.side = std::nan("");
-    EXPECT_ANY_THROW(light_ratio(view_of(pixels), beside));
+    EXPECT_THROW(well_lit(view_of(pixels), beside), InvalidInput);
 }
 
 TEST(WellLit, RaisesAllShadowsToLookForAFace) {

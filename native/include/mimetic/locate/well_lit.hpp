@@ -12,10 +12,6 @@ struct FaceFeatures;
 /// pose of its head.
 FeatureCrop crop_about(const FaceFeatures& face);
 
-/// How unevenly a face is lit: the light on its brighter half over that on its darker one, 1 or more. Of 80
-/// frames of five clips, lit as people usually are, it is 1.3 at most.
-double light_ratio(ColorView image, const FeatureCrop& face);
-
 /// The picture with a badly lit face made brighter, and its darker half as bright as the other, since what
 /// finds, follows and recognises faces has hardly seen such; none where the face is lit evenly and well.
 std::optional<ColorImage> well_lit(ColorView image, const FeatureCrop& face);
