@@ -94,7 +94,8 @@ def find_rest(
         return None
 
     order = _core.distinct_first(chances, expressions)
-    likely = [(frames[i], chances[i] / chances.max()) for i in order]
+    best_chance = float(chances.max()) or 1.0  # 0 where the finder is sure of no frame
+    likely = [(frames[i], chances[i] / best_chance) for i in order]
     fits = _fitted_heads(footage, likely, fit_head, fitting_heads)
     if not fits:
         return None
