@@ -246,8 +246,8 @@ TEST(Smooth, BringsAHeadThatIsLostWhileItMovesToRest) {
                    smoothed[static_cast<std::size_t>(other)].camera_from_head.linear())
             .angle();
     };
-    EXPECT_LT(turn_from(0, kFirst), 5 * kTurn);
-    EXPECT_LT(turn_from(kFrames - 1, kLast), 5 * kTurn);
+    EXPECT_LT(turn_from(0, kFirst), 4 * kTurn);
+    EXPECT_LT(turn_from(kFrames - 1, kLast), 4 * kTurn);
     EXPECT_LT(smoothed.back().values[0], .62);
     EXPECT_NEAR(turn_from(kFirst, kLast), kTurn * (kLast - kFirst), .02);
     EXPECT_NEAR(smoothed.back().camera_from_head.translation().x(), .001 * kLast, .005);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of any kind as RGB, places in them as parts of the whole, and as graphics cards do."""
+"""Pictures as RGB and as graphics cards take them, and places in them as parts of the whole."""
 
 from __future__ import annotations
 
