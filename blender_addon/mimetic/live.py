@@ -16,6 +16,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from . import clip_lens, clips, compat, fast_view, jobs, native, scene_in, takes, targets
 from .live_settings import CHANNELS, package_channels
 from .scene_out import face_fit
+from .scene_out.live import Place
 
 NO_SOURCE = "Choose a clip, or load the scene's footage"
 ALL = frozenset(identifier for identifier, _, _ in CHANNELS)
@@ -31,6 +32,8 @@ class Session:
     fast: fast_view.FastView | None = None
     view: object = None  # overlay.session.SessionView, where there is a window
     start: float = 1.0  # scene frame of the take that is recorded
+    is_whole: bool = False  # `start` is then that of the clip's first picture, not the take's
+    shown: Place | None = None  # where the scene shows the source, if that is the scene's clip
     sound: Path | None = None  # of that take's microphone
     due: float | None = None  # when a take begins that is counted down, by `monotonic`'s clock
     takes: list[str] = field(default_factory=list)  # recorded ones
@@ -91,6 +94,20 @@ def source_of(context, is_paced: bool = True):
     return native.live_source(False).ClipSource(path, is_paced)
 
 
+def own_clip(context):
+    """The scene's clip, where that is the source, or None."""
+    settings = context.scene.mimetic.live
+    if settings.source != "CLIP" or settings.clip_path:
+        return None
+    return scene_in.clip_of(context)
+
+
+def shown(context) -> Place | None:
+    """Where the scene shows the source, or None where it is not the scene's clip."""
+    clip = own_clip(context)
+    return None if clip is None else Place(clip.frame_start, clip.frame_offset)
+
+
 def clip_with_fit(context):
     """The scene's clip, where a session may take the face that was found in it, or None.
 
@@ -116,10 +133,10 @@ def person_of(context):
 def lens_of(context, person):
     """The lens of the scene's footage, where that is the source, or None; raises what
     `known_errors` has. person: as `person_of` has it."""
-    settings, clip = context.scene.mimetic.live, scene_in.clip_of(context)
-    if settings.source != "CLIP" or settings.clip_path or clip is None:
+    clip = own_clip(context)
+    if clip is None:
         return None
-    if person is not None and not settings.fit_path:
+    if person is not None and not context.scene.mimetic.live.fit_path:
         return native.puppet("live_heads").lens_of_fit(person)
     return clip_lens.known(clip)
 
@@ -147,19 +164,27 @@ def begin_take(context, session: Session) -> None:
 
 
 def end_take(context, session: Session) -> str:
-    """Keys what was recorded; returns a line for the user, "" if nothing was."""
+    """Saves and keys what was recorded; returns a line for the user, "" if nothing was.
+
+    Raises what `known_errors` has; what cannot be keyed is saved all the same.
+    """
     take, offset = session.thread.end_take()
     if take is None:
         return ""
-    new = _new_take(session)
-    performance = take.performance()
-    name = takes.take_name(new.path())
-    channels = package_channels(context.scene.mimetic.live.channels)
-    summary = session.puppet.record(context.scene, performance, name, session.start, channels)
-    path, notes = takes.save(performance, new)
+    # A camera has no footage
+    performance = take.performance(getattr(session.thread.source, "footage", None))
+    path, notes = takes.save(performance, _new_take(session))  # keying must not lose it
     session.takes.append(path)
+    channels = package_channels(context.scene.mimetic.live.channels)
+    name, place = takes.take_name(path), _place_of(session, performance)
+    try:
+        summary = session.puppet.record(context.scene, performance, name, place, channels)
+    except native.known_errors() as error:
+        raise native.invalid_input(
+            rpt_("{path} is kept, but not keyed: {error}").format(path=path, error=error)
+        ) from error
     session.notes += [*summary.remarks, *notes]
-    _lay_sound(context.scene, session, take, path, offset)
+    _lay_sound(context.scene, session, take, path, offset, summary.first)
     return rpt_("{num_curves} curves from frame {first:.6g} to {last:.6g} on {name}").format(
         num_curves=summary.num_curves,
         first=summary.first,
@@ -168,7 +193,16 @@ def end_take(context, session: Session) -> str:
     )
 
 
-def _lay_sound(scene, session: Session, take, path: str, offset: float | None) -> None:
+def _place_of(session: Session, performance) -> Place:
+    """Where a take lies: where the scene shows it, else from the scene's frame on."""
+    if session.shown is not None:
+        return session.shown
+    return Place(session.start, 0 if session.is_whole else int(performance.frame[0]) - 1)
+
+
+def _lay_sound(scene, session: Session, take, path: str, offset, first: float) -> None:
+    """offset: of a microphone's, or None, as `end_take` of the thread has it; first: the scene
+    frame of the take's first picture."""
     sound = session.sound
     if offset is None:
         sound, offset = Path(path).with_suffix(".wav"), 0.0
@@ -176,7 +210,7 @@ def _lay_sound(scene, session: Session, take, path: str, offset: float | None) -
             return
     rate = scene_in.timing(scene, None).scene_rate
     try:
-        compat.add_sound(scene, sound.stem, str(sound), session.start + offset * rate)
+        compat.add_sound(scene, sound.stem, str(sound), first + offset * rate)
     except RuntimeError as error:  # a Blender without sound; the take must not be lost for it
         session.notes.append(
             rpt_("{sound} is kept, but not laid in the sequencer: {error}")

@@ -73,7 +73,6 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         session = None
         try:
             session = _session(context, is_blocking=True)
-            session.start = context.scene.frame_current_final
             session.thread.start()
             if session.thread.error:
                 raise session.thread.error
@@ -156,8 +155,7 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
             session.puppet.set_neutral()
         elif command == "RECORD" and (session.is_recording or session.due is not None):
             session.due = None
-            if message := live.end_take(context, session):
-                self.report({"INFO"}, message)
+            self._end_take(context, session)
         elif command == "RECORD":
             session.due = time.monotonic() + context.scene.mimetic.live.countdown
         elif command == "KEEP":
@@ -167,12 +165,26 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
                 bpy.ops.mimetic.keep_look()
         return command == "STOP"
 
+    def _end_take(self, context, session) -> None:
+        """The session goes on."""
+        try:
+            message = live.end_take(context, session)
+        except native.known_errors() as error:
+            self.report({"WARNING"}, str(error))
+        else:
+            if message:
+                self.report({"INFO"}, message)
+
     def _end(self, context, session):
         session.thread.stop()
-        message = live.end_take(context, session)
-        self._report_lines(session)  # of the take's end too: no tick comes after this one
-        error = session.thread.error
-        self.leave(context)
+        error, message = session.thread.error, ""
+        try:
+            message = live.end_take(context, session)
+        except native.known_errors() as failure:
+            error = error or failure
+        finally:
+            self._report_lines(session)  # of the take's end too: no tick comes after this one
+            self.leave(context)
         if not session.takes:
             session.puppet.restore()
             if error and not isinstance(error, native.known_errors()):
@@ -251,7 +263,12 @@ def _session(context, is_blocking: bool = False):
         shown = scene_in.face_of(context)
         puppet = scene_out.live.Puppet(context.scene, shown)
     fast = fast_view.FastView(shown) if settings.use_fast_view else None
-    return live.Session(run, thread, puppet, fast)
+    return live.Session(
+        *(run, thread, puppet, fast),
+        start=context.scene.frame_current_final,
+        is_whole=is_blocking,
+        shown=live.shown(context),
+    )
 
 
 def _finished(operator, context, session, message: str):

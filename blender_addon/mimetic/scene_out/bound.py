@@ -141,8 +141,17 @@ def motion(scene: bpy.types.Scene, performance, head: bpy.types.Object):
             native.array(head.location),
             native.array(world.own_rotation(head)),
             head.rotation_mode,
-            1.0 / (scene.unit_settings.scale_length or 1.0),
+            units_of(scene, head),
         )
+
+
+def units_of(scene: bpy.types.Scene, head: bpy.types.Object) -> float:
+    """Of the world, per metre of a head's motion: a face of our own mesh is built with a metre as a
+    unit, whatever the scene's are, and moves as far as it was scaled; any other head is as large as
+    the scene says."""
+    if scene_in.is_face(head) and not len(head.mimetic.landmarks):
+        return float(world.matrix(head).median_scale)
+    return 1.0 / (scene.unit_settings.scale_length or 1.0)
 
 
 def object_from_character(scene: bpy.types.Scene, head: bpy.types.Object):

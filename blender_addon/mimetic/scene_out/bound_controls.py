@@ -42,7 +42,8 @@ def bake(
         num_curves += head.key_object(head_object, take, frames, channels)
         control_take.join(control, head_object)
     elif use_head_motion:
-        num_curves += control_take.key_head_bone(scene, performance, take, control, footage)
+        units = bound.units_of(scene, head_object)
+        num_curves += control_take.key_head_bone(scene, performance, take, control, footage, units)
     return bound.BakeSummary(
         float(frames[0]),
         float(frames[-1]),

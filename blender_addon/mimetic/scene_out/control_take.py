@@ -86,10 +86,15 @@ def put_keys_away(obj: bpy.types.Object, performance) -> None:
         actions.put_away(obj)
 
 
-def key_head_bone(scene, performance, take: str, control: bpy.types.Object, footage) -> int:
-    """The head's motion on the bone `head`, in the take that was just keyed."""
+def key_head_bone(
+    scene, performance, take: str, control: bpy.types.Object, footage, units: float
+) -> int:
+    """The head's motion on the bone `head`, in the take that was just keyed; units: of the world,
+    per metre."""
     muscles = control.animation_data.action
-    target = head.Target(control.name, native.control_object().HEAD)
+    scale = units * head.metres_of(scene, None)
+    bone = native.control_object().HEAD
+    target = head.Target(control.name, bone, translation_scale=scale)
     summary = head.bake(scene, performance, take, target, footage)
     bpy.data.actions.remove(muscles)  # a copy of it is keyed
     control.animation_data.action.name = take

@@ -17,6 +17,14 @@ PLACE_PATHS = ("location", *actions.ROTATION_PATHS)
 
 
 @dataclass(frozen=True)
+class Place:
+    """Where a take lies in the scene, as a movie clip says it."""
+
+    frame_start: float
+    frame_offset: int
+
+
+@dataclass(frozen=True)
 class TakeSummary:
     first: float  # scene frames of the first and the last key
     last: float
@@ -136,10 +144,10 @@ class Puppet:
         self.head.restore(face)
 
     def record(
-        self, scene: bpy.types.Scene, performance, take: str, start: float, channels: frozenset[str]
+        self, scene: bpy.types.Scene, performance, take: str, place: Place, channels: frozenset[str]
     ) -> TakeSummary:
         """Keys a take; see `record`."""
-        return record(scene, self, performance, take, start, channels)
+        return record(scene, self, performance, take, place, channels)
 
 
 def write_values(face: bpy.types.Object, values) -> None:
@@ -158,7 +166,7 @@ def stand_of(scene: bpy.types.Scene, face: bpy.types.Object):
             native.array(face.location),
             native.array(world.own_rotation(face)),
             face.rotation_mode,
-            1.0 / (scene.unit_settings.scale_length or 1.0),
+            bound.units_of(scene, face),
         )
 
 
@@ -167,26 +175,22 @@ def record(
     puppet: Puppet,
     performance,
     take: str,
-    start: float,
+    place: Place,
     channels: frozenset[str],
 ) -> TakeSummary:
-    """Keys a take on the face from a scene frame on, in new actions.
+    """Keys a take on the face at its place in the scene, in new actions.
 
     channels: that are recorded (`mimetic.puppet.channels`); the curves of all else are copied from
     the actions that were there. The scene's rate and range stay.
     """
     face = scene.objects[puppet.name]
     parts = native.puppet("driven_face")
-    numbers = performance.frame - performance.frame[0] + 1
-    rate = scene_in.timing(scene, None).scene_rate
-    first = int(np.floor(start))
-    frames = native.timing().scene_frames(numbers, performance.fps, rate, first) + (start - first)
+    frames = scene_in.scene_frames(performance, scene_in.timing(scene, place))
     keys = face.data.shape_keys
     names, driven = by_hand.keys_now(face), own_keys.driven_keys(keys)
     shapes = native.shapes().slider_shapes_of(performance, puppet.sliders)
     shapes = [s for s in shapes if parts.channel_of_slider(s.name) in channels]
-    playable = [s for s in shapes if names.get(s.name) in keys.key_blocks]
-    playable = [s for s in playable if names[s.name] not in driven]
+    playable = [s for s in shapes if s.name in names and names[s.name] not in driven]
     remarks = [puppet.head.remark] if puppet.head.remark else []
     if left_out := sorted({s.name for s in shapes} - {s.name for s in playable}):
         remarks.append(

@@ -4,23 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import bpy
 import numpy as np
 
 from .. import control_rows, native, scene_in
 from . import face_bones, own_controls, own_keys
-from .live import HEAD_PATHS, LiveHead, TakeSummary, write_values
+from .live import HEAD_PATHS, LiveHead, Place, TakeSummary, write_values
 from .live_bones import LiveHeadBones
-
-
-@dataclass(frozen=True)
-class _Start:
-    """Where a take lies in the scene, as a movie clip says it."""
-
-    frame_start: float
-    frame_offset: int
 
 
 def _values(obj: bpy.types.Object) -> np.ndarray:
@@ -117,13 +108,12 @@ class ControlPuppet:
             self._head.restore(character)
 
     def record(
-        self, scene: bpy.types.Scene, performance, take: str, start: float, channels: frozenset[str]
+        self, scene: bpy.types.Scene, performance, take: str, place: Place, channels: frozenset[str]
     ) -> TakeSummary:
         """Keys a take as a bake does; of channels, those of the head alone can be left out."""
         character = scene.objects[self.name]
         played = native.playing().play(performance, self._surface, self._rows, self._options)
         bake = face_bones.bake if self._is_rig else own_controls.bake
-        place = _Start(start, int(performance.frame[0]) - 1)
         moves_head = bool(channels & set(HEAD_PATHS))
         turns = self._head if moves_head and isinstance(self._head, LiveHeadBones) else None
         baked_head = moves_head and turns is None

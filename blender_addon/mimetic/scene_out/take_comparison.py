@@ -8,7 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from mathutils import Vector
 
 from .. import native, world
-from . import control_object, framed, part_keys, renamed_keys, take_list
+from . import bound, control_object, framed, part_keys, renamed_keys, take_list
 
 BESIDE = 0.25  # metres
 
@@ -47,9 +47,10 @@ def stand_beside(scene: bpy.types.Scene, face: bpy.types.Object, row) -> bpy.typ
         for collection in collections:
             if new.name not in collection.objects:
                 collection.objects.link(new)
+    aside = BESIDE * bound.units_of(scene, face) * _right(scene)
     for new in (mover, *(part for part in parts if part.parent not in (twin, *parts))):
         parent_from_world = world.space(new).to_3x3().inverted_safe()
-        new.delta_location = Vector(new.delta_location) + parent_from_world @ _aside(scene)
+        new.delta_location = Vector(new.delta_location) + parent_from_world @ aside
     take_list.play(twin, twin.mimetic.takes[row.name])
     framed.frame(_camera(scene), [face, twin])
     return twin
@@ -110,12 +111,12 @@ def _hold(copied: bpy.types.Object, original: bpy.types.Object, twins: dict) -> 
         copied.matrix_parent_inverse = matrix
 
 
-def _aside(scene: bpy.types.Scene) -> Vector:
+def _right(scene: bpy.types.Scene) -> Vector:
+    """Of the world, as the camera sees it."""
     camera = _camera(scene)
-    right = Vector((1, 0, 0))
-    if camera is not None:
-        right = world.matrix(camera).to_3x3().col[0].normalized()
-    return right * (BESIDE / (scene.unit_settings.scale_length or 1.0))
+    if camera is None:
+        return Vector((1, 0, 0))
+    return world.matrix(camera).to_3x3().col[0].normalized()
 
 
 def _camera(scene: bpy.types.Scene) -> bpy.types.Object | None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from mimetic import InvalidInput
-from mimetic.analyse.comparison import compare
+from mimetic.analyse.comparison import PlaceMotion, compare
 from mimetic.analyse.comparison_report import FILES
 from mimetic.analyse.timing import analyse_timing
 from mimetic.commands.cli import main
@@ -67,6 +67,21 @@ def test_a_face_moved_by_a_unit_alone_has_no_energy_outside(template):
     assert {motion.verdict for motion in comparison.places if motion.seen < 1e-6} <= {
         *("no", "not decidable")
     }
+
+
+@pytest.mark.parametrize(
+    ("seen", "unit", "std", "verdict"),
+    [
+        (2.5, 0.4, 1.0, "yes"),
+        (2.5, 0.6, 1.0, "not decidable"),
+        (2.5, 4.4, 1.0, "not decidable"),
+        (2.5, 4.6, 1.0, "no"),  # the unit moves further
+        (0.7, 0.0, 0.4, "no"),  # and here nothing moves
+        (1.1, 0.0, 0.6, "not decidable"),
+    ],
+)
+def test_a_place_moves_more_than_the_unit_or_less_by_two_deviations(seen, unit, std, verdict):
+    assert PlaceMotion("temples", seen, unit, std, True).verdict == verdict
 
 
 def test_motion_elsewhere_is_energy_outside(template):
@@ -147,6 +162,7 @@ def test_bad_input_is_one_line(tmp_path, template, capsys):
     assert main(["compare", str(path), "--expression", "AU6", *out]) == 2
     assert "known are AU1" in capsys.readouterr().err
     assert main(["compare", str(path), "--event", "9", *out]) == 2
+    assert "group 1 has 1 event (phases.csv" in capsys.readouterr().err
     assert main(["compare", str(path), "--expression", "AU2", *out]) == 2
     assert "no event that is certain" in capsys.readouterr().err
     make_performance().save(path)

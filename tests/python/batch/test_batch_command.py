@@ -109,3 +109,20 @@ def test_a_task_that_there_is_not_is_refused_and_nothing_is_left_in_its_place(pr
         assert f"--task {name}: the batch in {prepared} has a: give" in capsys.readouterr().err
     assert not list((prepared / "b").iterdir()) and not (prepared / "c").exists()
     assert main(["batch", "--task", "a", "--out", str(prepared.parent / "none")]) == 2
+
+
+def test_the_page_and_the_summary_are_of_all_batches_that_are_at_work(prepared, capsys):
+    clip = make_clip(prepared.parent / "b.mp4", size="160x120", frames=4)
+    words = ["batch", "--out", str(prepared), "--retries", "0"]
+    with plan.begun(prepared, [Row(str(prepared.parent / "a.mp4"))], Settings()):
+        assert main([*words, str(clip)]) == 1
+    own = capsys.readouterr().out
+    assert "b: " in own and "0 clips done, 1 not" in own and "a: " not in own
+    page = (prepared / "index.html").read_text()
+    assert "<h3>a</h3>" in page and "<h3>b</h3>" in page
+    assert main([*words, "--summary"]) == 1
+    told = capsys.readouterr().out
+    assert "a: not done yet" in told and "0 clips done, 2 not" in told
+    assert (prepared / "index.html").read_text() == page
+    assert main(["batch", "--summary", "--out", str(prepared / "none")]) == 2
+    assert "there is no such file" in capsys.readouterr().err

@@ -88,6 +88,25 @@ def test_a_batch_is_read_as_it_was_prepared(rows, out):
     assert plan.load(out) == batch
 
 
+def names_of(batch):
+    return [task.name for task in batch.tasks]
+
+
+def test_a_batch_that_begins_while_another_is_at_work_joins_its_plan(rows, out):
+    gone, lost = (Row(f"/{name}.mp4", problem="there is no such file") for name in ("gone", "lost"))
+    with plan.begun(out, [*rows[:2], gone, lost], Settings()) as first:
+        with plan.begun(out, [rows[2], rows[1], lost], Settings()) as second:
+            assert names_of(first) == ["shot", "shot-2"]
+            assert names_of(second) == ["SHOT-3", "shot-2"]
+        both = plan.load(out)  # also when one has ended
+        assert names_of(both) == ["shot", "SHOT-3", "shot-2"] and both.problems == [gone, lost]
+    left_over = out / ".mimetic-batch-killed"
+    left_over.mkdir()
+    with plan.begun(out, rows[1:2], Settings()):
+        assert names_of(plan.load(out)) == ["shot-2"] and not left_over.exists()
+    assert not list(out.glob(".mimetic-*"))
+
+
 @pytest.mark.parametrize("of", ["clip", "character", "table", "fps"])
 def test_a_name_that_is_no_text_is_the_same_problem_in_every_run(tmp_path, out, of):
     name = os.fsdecode(b"bad\xe9")
@@ -126,6 +145,19 @@ def test_a_folder_that_vanishes_while_the_batch_runs_is_its_clips_failure(rows, 
     assert list(failures) == ["shot"] and "no such file" in failures["shot"]
     write_page(batch, failures)
     assert "no such file" in (out / "index.html").read_text()
+
+
+def test_a_clip_that_failed_with_its_last_settings_is_failed_on_the_page_too(rows, out):
+    """Though the results of the settings before are there, as `--summary` says."""
+    (task,) = plan.prepare(out, rows[:1], Settings()).tasks
+    for step in task.steps():
+        for name in step.outputs:
+            (task.folder / name).touch()
+        task.done[step.name] = {"key": "k", "files": {}, "seconds": 1.0}
+    task.error = "the face fit is of other footage"
+    task.save()
+    write_page(plan.load(out), {})
+    assert "other footage" in (out / "index.html").read_text()
 
 
 def test_clips_for_which_another_batch_asks_otherwise_are_not_ours(rows, out):

@@ -6,6 +6,7 @@ import pytest
 from mimetic import InvalidInput
 from mimetic.library.expression import Expression
 from mimetic.puppet.separability import advice, separability
+from mimetic.puppet.set_making import Channels, templates_of
 from mimetic.puppet.taught_look import Look, parse_look, parse_shown_look, parse_state
 from sample_taught import make_taught
 
@@ -63,3 +64,34 @@ def test_looks_that_score_alike_are_named_and_others_are_not():
     alike = separability(make_taught(example_scores=scores))
     assert (alike[0].part, alike[0].first, alike[0].second) == ("mouth", "smile", "surprise")
     assert advice(alike)[0].startswith("smile and surprise are hard to tell apart by the mouth")
+
+
+def test_the_whole_face_of_a_look_like_another_is_kept_and_no_part_of_it():
+    muscles = ["puller.L", "raiser.L", "raiser.R", "squeezer.L", "squeezer.R"]
+    channels = Channels(muscles, [1, 5, 5, 7, 7], ["jaw_open"])
+    rest, smile, alike, lifted = np.zeros((4, 6))
+    smile[0], alike[0], lifted[:2] = 0.8, 0.75, (0.75, 0.9)
+    looks = [Look("neutral", 1), Look("smile", 20), Look("alike", 21), Look("lifted", 30)]
+    templates = templates_of(looks, [rest, smile, alike, lifted], channels)
+    kept = [[part for i, part in templates if i == look] for look in range(len(looks))]
+    assert kept[1:] == [["face", "mouth"], ["face"], ["face", "brow.L"]]
+    own = [*looks[:2], Look("alike", 21, ("mouth",))]
+    templates = templates_of(own, [rest, smile, alike], channels)
+    assert [part for i, part in templates if i == 2] == ["mouth"]
+
+
+def test_a_look_without_a_template_is_told_apart_from_none():
+    """As in sets of earlier versions, of which other looks are taught again."""
+    taught = make_taught()
+    kept = taught.template_looks != 2
+    ends = np.cumsum(taught.template_boxes[:, 2] * taught.template_boxes[:, 3])
+    pixels = np.split(taught.template_pixels, ends[:-1])
+    old = make_taught(
+        template_parts=[part for part, k in zip(taught.template_parts, kept, strict=True) if k],
+        template_looks=taught.template_looks[kept],
+        template_boxes=taught.template_boxes[kept],
+        template_pixels=np.concatenate([part for part, k in zip(pixels, kept, strict=True) if k]),
+        example_scores=taught.example_scores[:, kept],
+    )
+    (line,) = advice(separability(old))
+    assert line.startswith("neutral and surprise are hard to tell apart by the face (d' 0.0)")

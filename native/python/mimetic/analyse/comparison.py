@@ -31,9 +31,12 @@ class PlaceMotion:
     @property
     def verdict(self) -> str:
         """Whether motion is there that the unit lacks: yes, no or not decidable."""
-        if self.seen - self.unit > SIGNIFICANT * self.std:
+        margin = SIGNIFICANT * self.std
+        if self.seen - self.unit > margin:
             return "yes"
-        return "no" if self.seen < SIGNIFICANT * self.std and self.std < 0.5 else "not decidable"
+        is_less = self.unit - self.seen > margin
+        is_still = self.seen < margin and self.std < 0.5
+        return "no" if is_less or is_still else "not decidable"
 
 
 @dataclass(frozen=True)
@@ -151,9 +154,10 @@ def _event_of(
     if number is not None:
         matches = [event for event in events if event.number == number]
         if not matches:
+            count = "1 event" if len(events) == 1 else f"{len(events)} events"
             raise InvalidInput(
-                f"--event {number}: {of_what} has {len(events)} events (phases.csv of `mimetic "
-                "analyse` lists them)"
+                f"--event {number}: {of_what} has {count} (phases.csv of `mimetic analyse` lists "
+                "them)"
             )
         rest = rests[number]
         if rest is None:

@@ -191,10 +191,11 @@ def _parts(comparison: Comparison, pictures: dict[str, bytes]) -> Iterator[str]:
             ],
         ),
         drawing.paragraph(
-            "Yes: beyond the unit by two standard deviations. No: the skin there moves by less "
-            "than two, which are themselves under a millimetre. Muscles that share skin and the "
-            "skin's own spread reach far places too: what a capture itself adds is measured on "
-            "clips that move by the unit alone (docs/measured/timing.md).",
+            "Yes: beyond the unit by two standard deviations. No: the unit moves the skin there "
+            "further by two, or it moves by less than two, which are themselves under a "
+            "millimetre. Muscles that share skin and the skin's own spread reach far places too: "
+            "what a capture itself adds is measured on clips that move by the unit alone "
+            "(docs/measured/timing.md).",
             "caption",
         ),
     )

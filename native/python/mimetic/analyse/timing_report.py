@@ -107,7 +107,8 @@ def _phase_table(events: list[Event]) -> tuple[list[str], list[list[str]]]:
 def _model_words(events: list[Event]) -> str:
     counts = Counter(event.fit.shape.model.name.replace("_", " ") for event in events)
     words = ", ".join(f"{count} as {model}" for model, count in counts.most_common())
-    return f"By the Bayesian information criterion, of {len(events)} events {words}."
+    count = "1 event" if len(events) == 1 else f"{len(events)} events"
+    return f"By the Bayesian information criterion, of {count} {words}."
 
 
 def _delay_parts(pairs: list[GroupDelay], pictures: dict[str, bytes]) -> Iterator[str]:

@@ -75,11 +75,9 @@ def _parts(batch: Batch, failures: Mapping[str, str]) -> Iterator[str]:
 
 def _why(task: Task, failures: Mapping[str, str]) -> str | None:
     """Why a task failed, the empty string if it is done, None if it is yet to be done."""
-    if reason := failures.get(task.name) or task.row.problem:
+    if reason := failures.get(task.name) or task.row.problem or task.error:
         return reason
-    if task.has_all():
-        return ""
-    return task.error or None
+    return "" if task.has_all() else None
 
 
 def _median(task: Task) -> float:

@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import os
 import re
-from collections.abc import Iterable, Sequence
+import shutil
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import astuple, dataclass
 from pathlib import Path
 
@@ -16,12 +19,15 @@ from mimetic.batch.person import FOLDER, prepare_people
 from mimetic.batch.steps import Settings
 from mimetic.batch.task import Task
 from mimetic.media.image_sequence import is_sequence, opened
+from mimetic.shared.folder_lock import alone_with, in_use, remove_left_over
 from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import UNSAFE, shown
+from mimetic.shared.whole_file import HIDDEN
 
 PLAN = "batch.json"
 PAGE = "index.html"
 TEMPLATE = "template.json"  # of Open Job Description
+AT_WORK = f"{HIDDEN}batch-"  # how the name of a folder begins that a batch at work has in use
 SCHEMA = 1
 LARGEST_FILE = 64 << 20  # bytes
 LONGEST_NAME = 80  # characters; folders may have 255 bytes
@@ -36,24 +42,51 @@ class Batch:
     tasks: list[Task]
     problems: list[Row]
 
-    def save(self) -> None:
-        """Writes batch.json whole, for `load`; raises OSError."""
+    def save(self, names: Sequence[str] = (), problems: Sequence[Row] = ()) -> None:
+        """Writes batch.json whole, for `load`; raises OSError.
+
+        names, problems: of other batches' clips, which stand before this one's.
+        """
+        own_names = [task.name for task in self.tasks]
+        own_clips = {row.clip for row in (*self.problems, *(task.row for task in self.tasks))}
+        others = [row for row in problems if row.clip not in own_clips]
         document = {
             "schema": SCHEMA,
-            "tasks": [task.name for task in self.tasks],
-            "problems": [[row.clip, row.problem] for row in self.problems],
+            "tasks": [*(name for name in names if name not in own_names), *own_names],
+            "problems": [[row.clip, row.problem] for row in (*others, *self.problems)],
         }
         write_json(self.out / PLAN, document)
 
 
-def prepare(out: Path, rows: Sequence[Row], settings: Settings) -> Batch:
+@contextlib.contextmanager
+def begun(out: Path, rows: Sequence[Row], settings: Settings) -> Iterator[Batch]:
+    """`prepare`s a batch that is at work in the block; another that begins meanwhile joins it.
+
+    The folder's plan is then of the clips of both, and each Batch of its own. Raises OSError.
+    """
+    with contextlib.ExitStack() as stack:
+        with alone_with(out):
+            remove_left_over(out.glob(f"{AT_WORK}*"))  # of those that were killed
+            is_joining = any(out.glob(f"{AT_WORK}*"))
+            mark = stack.enter_context(in_use(lambda: tempfile.mkdtemp(dir=out, prefix=AT_WORK)))
+            stack.callback(shutil.rmtree, mark, ignore_errors=True)
+            batch = prepare(out, rows, settings, is_joining)
+        yield batch
+
+
+def prepare(out: Path, rows: Sequence[Row], settings: Settings, is_joining: bool = False) -> Batch:
     """Makes a folder and task.json for each clip in `out`, which must be there; saves the batch.
 
     What a clip's task has done already stays known, also of a clip that was moved or renamed since.
-    Raises OSError where `out` cannot be written.
+    is_joining: the clips of the plan that is there stay in it. Raises OSError where `out` cannot be
+    written.
     """
     batch = Batch(out, [], [])
-    names = {PLAN, PAGE, FOLDER, TEMPLATE}
+    others: tuple[list[str], list[Row]] = [], []
+    if is_joining:
+        with contextlib.suppress(InvalidInput, UnreadableMedia):  # none, or none of use
+            others = _read(out)
+    names = {PLAN, PAGE, FOLDER, TEMPLATE, *map(str.lower, others[0])}
     prepare_people(out, rows)
     folders, left = _known_folders(out)
     for row in rows:
@@ -68,28 +101,35 @@ def prepare(out: Path, rows: Sequence[Row], settings: Settings) -> Batch:
         task = Task(out / name, row, settings)
         task.ask()
         batch.tasks.append(task)
-    batch.save()
+    batch.save(*others)
     return batch
 
 
 def load(out: Path) -> Batch:
-    """The batch that was prepared in a folder; raises InvalidInput, UnreadableMedia."""
-    document = read_json(out / PLAN, "the plan of a batch", LARGEST_FILE)
-    batch = Batch(out, [], [])
-    try:
-        if not isinstance(document, dict) or document["schema"] != SCHEMA:
-            raise ValueError(f"its schema is not {SCHEMA}")
-        for clip, problem in document["problems"]:
-            batch.problems.append(Row(str(clip), problem=str(problem)))
-        names = [str(name) for name in document["tasks"]]
-    except (KeyError, TypeError, ValueError) as error:
-        raise InvalidInput(f"{out / PLAN}: not the plan of a batch ({error})") from None
+    """All that is planned in a folder, of batches that joined each other too.
+
+    Raises InvalidInput, UnreadableMedia.
+    """
+    names, problems = _read(out)
+    batch = Batch(out, [], problems)
     for name in names:
         try:
             batch.tasks.append(Task.load(out / Path(name).name))
         except (InvalidInput, UnreadableMedia) as error:
             batch.problems.append(Row(name, problem=str(error)))
     return batch
+
+
+def _read(out: Path) -> tuple[list[str], list[Row]]:
+    """Names of the tasks, and problems, of a folder's plan; raises as `load`."""
+    document = read_json(out / PLAN, "the plan of a batch", LARGEST_FILE)
+    try:
+        if not isinstance(document, dict) or document["schema"] != SCHEMA:
+            raise ValueError(f"its schema is not {SCHEMA}")
+        problems = [Row(str(clip), problem=str(problem)) for clip, problem in document["problems"]]
+        return [str(name) for name in document["tasks"]], problems
+    except (KeyError, TypeError, ValueError) as error:
+        raise InvalidInput(f"{out / PLAN}: not the plan of a batch ({error})") from None
 
 
 def reload(batch: Batch) -> dict[str, str]:

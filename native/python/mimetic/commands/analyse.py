@@ -37,8 +37,6 @@ def run_analyse(arguments: argparse.Namespace) -> int:
         publish(folder, out, is_finished=True)
     certain = [event for event in timing.of_kind("group") if event.fit.is_certain]
     delayed_pairs = [pair for pair in timing.delays if pair.delay.is_delayed]
-    print(
-        f"{out}: {len(certain)} events of groups, {len(delayed_pairs)} of {len(timing.delays)} "
-        "pairs delayed"
-    )
+    count = "1 event" if len(certain) == 1 else f"{len(certain)} events"
+    print(f"{out}: {count} of groups, {len(delayed_pairs)} of {len(timing.delays)} pairs delayed")
     return 0

@@ -7,7 +7,8 @@ import argparse
 import os
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
@@ -25,8 +26,10 @@ from mimetic.commands.console import Console, say
 from mimetic.media.frame_range import parse_range
 from mimetic.media.image_sequence import USUAL_FPS, ImageSequence, opened
 from mimetic.report.html import check_report_packages
+from mimetic.shared.folder_lock import alone_with
 from mimetic.shared.interrupts import listen_for_interrupt
 from mimetic.shared.pinhole import FULL_FRAME_MM
+from mimetic.shared.regular_file import check_input
 from mimetic.shared.results import prepare_folder
 
 FAILED = 1  # exit status where a clip failed
@@ -151,19 +154,18 @@ def run_batch(arguments: argparse.Namespace) -> int:
     if arguments.steps:
         raise InvalidInput("--steps is of one clip: give --task NAME too")
     if arguments.summary:
-        batch = plan.load(arguments.out)
-        write_page(batch, {})
-        return tell_outcome(batch, {}, 0)
+        check_input(arguments.out / PLAN, "the plan of a batch (JSON)")
+        return tell_outcome(_write_page_anew(arguments.out, {}), {}, 0)
     if not arguments.clips:
         raise InvalidInput("give the clips of the batch: videos, folders, CSV tables")
     if arguments.submit == "dask" and not arguments.address:
         raise InvalidInput("--submit dask needs the scheduler's --address, tcp://scheduler:8786")
     if arguments.address and arguments.submit not in ("flamenco", "dask"):
         raise InvalidInput("--address is of --submit flamenco or dask")
-    batch = prepared_batch(arguments)
-    if arguments.submit in ("flamenco", "openjd"):
-        return submit(batch, arguments)
-    return run(batch, arguments)
+    with begun_batch(arguments) as batch:
+        if arguments.submit in ("flamenco", "openjd"):
+            return submit(batch, arguments)
+        return run(batch, arguments)
 
 
 def submit(batch: Batch, arguments: argparse.Namespace) -> int:
@@ -220,8 +222,8 @@ def _end_with_parent() -> None:
     os._exit(FAILED)
 
 
-def prepared_batch(arguments: argparse.Namespace) -> Batch:
-    """Checks what is asked for and prepares a folder for each clip; raises InvalidInput."""
+def begun_batch(arguments: argparse.Namespace) -> AbstractContextManager[Batch]:
+    """Checks what is asked for; raises InvalidInput. The batch is prepared as the block begins."""
     check_report_packages()
     if arguments.frames:
         parse_range(arguments.frames)
@@ -245,7 +247,7 @@ def prepared_batch(arguments: argparse.Namespace) -> Batch:
     check_lens(Row("", focal=lens[0], sensor=lens[1]))
     rows = rows_of(arguments.clips, arguments.frames, character, arguments.fps, *lens)
     prepare_folder(out, (PLAN, PAGE))
-    return plan.prepare(out, rows, settings)
+    return plan.begun(out, rows, settings)
 
 
 def run(batch: Batch, arguments: argparse.Namespace) -> int:
@@ -265,7 +267,7 @@ def run(batch: Batch, arguments: argparse.Namespace) -> int:
                 failures[name] = outcome.message
                 console.tell(f"{name}: {outcome.message}")
             if len(ends) % PAGE_EVERY == 0:
-                _refresh(batch, failures, console.tell)
+                _refresh(batch.out, failures, console.tell)
 
         def show(fraction: float, number: int) -> None:
             failure_text = f", {len(failures)} failed" if failures else ""
@@ -280,18 +282,30 @@ def run(batch: Batch, arguments: argparse.Namespace) -> int:
             command = [sys.executable, "-m", "mimetic", "batch", "--end-with-parent"]
             command += ["--out", str(batch.out)]
             pool.run({name: [*command, f"--task={name}"] for name in weights}, weights, show)
-    _refresh(batch, failures, lambda text: print(cli.line(text)))
+    _refresh(batch.out, failures, lambda text: print(cli.line(text)))
+    failures = plan.reload(batch) | failures
     return interrupt.status or tell_outcome(batch, failures, num_before)
 
 
-def _refresh(batch: Batch, failures: dict[str, str], tell: Callable[[str], None]) -> None:
-    """Reads what is done and writes the page; where that fails the batch goes on."""
-    for name, reason in plan.reload(batch).items():
-        failures.setdefault(name, reason)
+def _refresh(out: Path, failures: Mapping[str, str], tell: Callable[[str], None]) -> None:
+    """Writes the page; where that fails the batch goes on."""
     try:
-        write_page(batch, failures)
+        _write_page_anew(out, failures)
     except OSError as error:
-        tell(f"{batch.out / PAGE} cannot be written: {error.strerror or error}")
+        tell(f"{out / PAGE} cannot be written: {error.strerror or error}")
+    except (InvalidInput, UnreadableMedia) as error:
+        tell(str(error))
+
+
+def _write_page_anew(out: Path, failures: Mapping[str, str]) -> Batch:
+    """The page of all that is planned in a folder, as it is now, whoever planned it; returns it.
+
+    failures: as for `write_page`. Raises InvalidInput, UnreadableMedia, OSError.
+    """
+    with alone_with(out):  # or a page that was read before another's would be written after it
+        batch = plan.load(out)
+        write_page(batch, failures)
+    return batch
 
 
 def _weight(clip: Path) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic.performance.gaze import value_units
-from mimetic.puppet.parts import KINDS
+from mimetic.puppet.parts import FACE, KINDS
 from mimetic.puppet.templates import TaughtSet
 
 SCORE_NOISE = 0.02  # least standard deviation of scores of one look: light, noise, the head
@@ -30,9 +30,10 @@ def separability(taught: TaughtSet) -> list[Pair]:
     """All pairs of looks that have a template of the same part, the hardest first.
 
     d' = difference of means / root of the mean variance, of what the second template scores less
-    than the first, in the examples near the first look and in those near the second.
+    than the first, in the examples near the first look and in those near the second. A look that
+    has no template, in sets of earlier versions, is 0 apart from the look that does most alike.
     """
-    pairs: list[Pair] = []
+    pairs = _without_template(taught)
     for part in KINDS:
         templates = taught.of_part(part)
         channels = taught.channels_of(part)
@@ -58,6 +59,18 @@ def advice(pairs: list[Pair]) -> list[str]:
     return lines
 
 
+def _without_template(taught: TaughtSet) -> list[Pair]:
+    """Each look without a template beside the look with the nearest values."""
+    rows = taught.look_values / value_units(taught.channels)
+    pairs = []
+    for look in sorted(set(range(len(rows))) - set(taught.template_looks.tolist())):
+        distance = np.abs(rows - rows[look]).sum(axis=1)
+        distance[look] = np.inf
+        nearest = int(distance.argmin())
+        pairs.append(Pair(FACE, taught.looks[nearest], taught.looks[look], 0.0))
+    return pairs
+
+
 def _near(
     taught: TaughtSet, channels: list[int], first: int, second: int
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -73,7 +86,8 @@ def _near(
 
 def _d_prime(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
     variance = 0.5 * (first.var() + second.var()) + SCORE_NOISE**2
-    return float((first.mean() - second.mean()) / np.sqrt(variance))
+    # Looks whose templates are alike come out a little under 0, which tells no less than 0
+    return max(0.0, float((first.mean() - second.mean()) / np.sqrt(variance)))
 
 
 def _words(part: str) -> str:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mimetic.library.expression import limits_of
 from mimetic.performance.gaze import value_units
 from mimetic.puppet.matching import still_matcher
-from mimetic.puppet.parts import KINDS, channels_of
+from mimetic.puppet.parts import FACE, KINDS, channels_of
 from mimetic.puppet.seeing import Image, PersonView
 from mimetic.puppet.taught_look import Look
 from mimetic.puppet.templates import TaughtSet
@@ -87,7 +87,9 @@ def templates_of(
 ) -> list[tuple[int, str]]:
     """(index of the look, part): of each look the whole face, and parts that look otherwise.
 
-    kept: templates that are there already; looks that have any get no others.
+    Of a look with parts of its own these alone. The whole face of a look that is like another is
+    kept too: without a template nothing would tell that the two are alike. kept: templates that
+    are there already; looks that have any get no others.
     """
     templates: list[tuple[int, str]] = []
     rows = np.array(states) / channels.units
@@ -98,7 +100,7 @@ def templates_of(
         for i, look in enumerate(looks):
             if i in has_any:
                 continue
-            differs = all(np.abs(own[i] - own[j]).max() > DISTINCT for j in taken)
+            differs = part == FACE or all(np.abs(own[i] - own[j]).max() > DISTINCT for j in taken)
             if part in look.parts or (not look.parts and differs) or look.name == REST:
                 taken.append(i)
         templates += [(i, part) for i in sorted(taken)]
