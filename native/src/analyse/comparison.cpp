@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <mimetic/analyse/comparison.hpp>
@@ -15,14 +16,21 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double share_of(double part, double whole) { return whole > 1e-18 ? part / whole : kNone; }
 
-double gini_of(Eigen::VectorXd values) {
-    std::sort(values.data(), values.data() + values.size());
-    const double n = static_cast<double>(values.size()), sum = values.sum();
-    double weighted = 0;
-    for (Eigen::Index i = 0; i < values.size(); ++i) {
-        weighted += (2 * (static_cast<double>(i) + 1) - n - 1) * values[i];
+/// Twice the area between the diagonal and the Lorenz curve of a value of which every part of the skin has as
+/// much as its area.
+double gini_of(const Eigen::VectorXd& values, VectorIn areas) {
+    std::vector<Eigen::Index> order(static_cast<std::size_t>(values.size()));
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(),
+              [&](Eigen::Index one, Eigen::Index other) { return values[one] < values[other]; });
+    double area = 0, sum = 0, under = 0;
+    for (const Eigen::Index i : order) {
+        const double part = areas[i] * values[i];
+        under += areas[i] * (2 * sum + part);
+        area += areas[i];
+        sum += part;
     }
-    return share_of(weighted, n * sum);
+    return share_of(area * sum - under, area * sum);
 }
 
 double explained(const Eigen::VectorXd& values, const Eigen::VectorXd& fit) {
@@ -30,35 +38,77 @@ double explained(const Eigen::VectorXd& values, const Eigen::VectorXd& fit) {
     return share_of(whole - (values - fit).squaredNorm(), whole);
 }
 
-/// Straight up between two rows, held, straight down between two more; by trying all of them.
-Eigen::VectorXd best_ramp(const Eigen::VectorXd& course, int begin, int apex) {
+/// Rows at which a ramp leaves 0, is up, goes down again and is back.
+using RampTimes = std::array<double, 4>;
+
+constexpr double kBeyondEnds = 20;      // rows by which a ramp may begin before the course, or end after it
+constexpr double kLeastStep = 1. / 32;  // rows
+
+bool is_ramp(const RampTimes& times, Eigen::Index count) {
+    const auto [up, top, leave, end] = times;
+    return -kBeyondEnds <= up && up + 1 <= top && top <= leave && leave + 1 <= end &&
+           end <= static_cast<double>(count) + kBeyondEnds;
+}
+
+/// The ramp at the height that suits the course best.
+Eigen::VectorXd ramp_of(const Eigen::VectorXd& course, const RampTimes& times) {
+    const auto [up, top, leave, end] = times;
+    Eigen::VectorXd ramp(course.size());
+    for (Eigen::Index i = 0; i < ramp.size(); ++i) {
+        const double row = static_cast<double>(i);
+        ramp[i] = std::min(std::clamp((row - up) / (top - up), 0., 1.),
+                           std::clamp((end - row) / (end - leave), 0., 1.));
+    }
+    const double square = ramp.squaredNorm();
+    return square > 0 ? Eigen::VectorXd(std::max(0., ramp.dot(course) / square) * ramp) : ramp;
+}
+
+/// The best of ramps some rows apart, whose application is about rows begin to apex.
+RampTimes rough_ramp(const Eigen::VectorXd& course, int begin, int apex) {
     const int count = static_cast<int>(course.size());
-    Eigen::VectorXd best = Eigen::VectorXd::Zero(count), ramp(count);
+    RampTimes best{};
     double least = std::numeric_limits<double>::infinity();
-    const auto try_ramp = [&](int up, int top, int leave, int end) {
-        for (int i = 0; i < count; ++i) {
-            const double rise = std::clamp((i - up) / std::max(1., static_cast<double>(top - up)), 0., 1.);
-            const double fall =
-                std::clamp((end - i) / std::max(1., static_cast<double>(end - leave)), 0., 1.);
-            ramp[i] = std::min(rise, fall);
-        }
-        const double height = std::max(0., share_of(ramp.dot(course), ramp.squaredNorm()));
-        const double error = (course - height * ramp).squaredNorm();
-        if (error < least) {
-            least = error;
-            best = height * ramp;
-        }
-    };
     for (int up = std::max(0, begin - 4); up <= std::min(count - 2, begin + 6); ++up) {
         for (int top = std::max(up + 1, apex - 6); top <= std::min(count - 1, apex + 4); ++top) {
             for (int leave = top; leave < count; leave += 2) {
                 for (int end = leave + 1; end <= count + 20; end += 3) {
-                    try_ramp(up, top, leave, end);
+                    const RampTimes times{double(up), double(top), double(leave), double(end)};
+                    const double error = (course - ramp_of(course, times)).squaredNorm();
+                    if (error < least) {
+                        least = error;
+                        best = times;
+                    }
                 }
             }
         }
     }
     return best;
+}
+
+/// Straight up between two times, held, straight down between two more: the best of a search in steps of
+/// rows, its times then moved one by one, by ever smaller parts of a row, while that helps.
+Eigen::VectorXd best_ramp(const Eigen::VectorXd& course, int begin, int apex) {
+    RampTimes times = rough_ramp(course, begin, apex);
+    double least = (course - ramp_of(course, times)).squaredNorm();
+    for (double step = 1; step >= kLeastStep; step /= 2) {
+        for (bool is_better = true; is_better;) {
+            is_better = false;
+            for (std::size_t i = 0; i < 2 * times.size(); ++i) {
+                RampTimes moved = times;
+                moved[i / 2] += i % 2 == 0 ? step : -step;
+                if (!is_ramp(moved, course.size())) {
+                    continue;
+                }
+                const double error = (course - ramp_of(course, moved)).squaredNorm();
+                if (error < least) {
+                    least = error;
+                    times = moved;
+                    is_better = true;
+                }
+            }
+        }
+    }
+    return ramp_of(course, times);
 }
 
 /// V, metres to the nearest vertex of the region; infinite without one.
@@ -135,13 +185,9 @@ SpatialComparison compare_displacements(PointsIn vertices, PointsIn seen, Points
     SpatialComparison comparison{};
     comparison.intensity = square > 0 ? std::max(0., product / square) : 0;
     double left = 0;
-    std::vector<double> moving;
     for (Eigen::Index v = 0; v < count; ++v) {
         if (reach[v] > 0) {
             left += areas[v] * (seen.row(v) - comparison.intensity * unit.row(v)).squaredNorm();
-        }
-        if (areas[v] > 0) {
-            moving.push_back(energy[v]);
         }
     }
     comparison.inside_explained = share_of(inside - left, inside);
@@ -149,8 +195,7 @@ SpatialComparison compare_displacements(PointsIn vertices, PointsIn seen, Points
     comparison.outside_significant_share =
         share_of(significant_outside, significant_inside + significant_outside);
     comparison.outside_far_share = share_of(far, inside + outside);
-    comparison.gini =
-        gini_of(Eigen::Map<const Eigen::VectorXd>(moving.data(), static_cast<Eigen::Index>(moving.size())));
+    comparison.gini = gini_of(seen.rowwise().squaredNorm(), areas);
     return comparison;
 }
 

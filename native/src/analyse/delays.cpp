@@ -28,10 +28,6 @@ struct Span {
     int first, last;
 };
 
-struct Peak {
-    double lag = std::numeric_limits<double>::quiet_NaN(), correlation = 0;
-};
-
 /// Correlation of the leader's rates in the span with another's rates `lag` rows later, 0 beyond the ends.
 double correlate(const Eigen::VectorXd& leader, const Eigen::VectorXd& other, Span span, int lag) {
     double product = 0, one = 0, two = 0;
@@ -46,8 +42,8 @@ double correlate(const Eigen::VectorXd& leader, const Eigen::VectorXd& other, Sp
     return one > 0 && two > 0 ? product / std::sqrt(one * two) : 0;
 }
 
-/// The highest correlation, between lags by a parabola.
-Peak correlation_peak(const Eigen::VectorXd& leader, const Eigen::VectorXd& other, Span span, int max_lag) {
+/// Where the correlation is highest, between rows by a parabola.
+double best_lag(const Eigen::VectorXd& leader, const Eigen::VectorXd& other, Span span, int max_lag) {
     std::vector<double> at;
     for (int lag = -max_lag - 1; lag <= max_lag + 1; ++lag) {
         at.push_back(correlate(leader, other, span, lag));
@@ -56,7 +52,26 @@ Peak correlation_peak(const Eigen::VectorXd& leader, const Eigen::VectorXd& othe
     const double before = *(best - 1), here = *best, after = *(best + 1);
     const double bend = before - 2 * here + after;
     const double part = bend < 0 ? std::clamp(.5 * (before - after) / bend, -.5, .5) : 0;
-    return {static_cast<double>(best - at.begin()) - max_lag - 1 + part, here};
+    return static_cast<double>(best - at.begin()) - max_lag - 1 + part;
+}
+
+/// Rates of a curve as captured, and with its event as fitted.
+struct Rates {
+    Eigen::VectorXd own, fitted;
+};
+
+struct Match {
+    double lag, correlation;
+};
+
+/// The lag by the fitted rates, and how the curves' own correlate there: of captured curves the peak would be
+/// off, of fitted ones all events would look alike.
+Match match_of(const Rates& leader, const Rates& other, Span span, int max_lag) {
+    const double lag = best_lag(leader.fitted, other.fitted, span, max_lag);
+    const int before = static_cast<int>(std::floor(lag));
+    const double share = lag - before;
+    return {lag, (1 - share) * correlate(leader.own, other.own, span, before) +
+                     share * correlate(leader.own, other.own, span, before + 1)};
 }
 
 int row_of(VectorIn frames, double frame) {
@@ -72,14 +87,14 @@ Eigen::VectorXd with_event(VectorIn values, const PhaseFit& fit, const Eigen::Ve
     return replaced;
 }
 
-/// Rates of a curve with the event as fitted: what is captured is smoothed and drawn to rest, so that a slow
-/// foot is cut off and the middle of the rates moves.
-Eigen::VectorXd fitted_rates(VectorIn frames, VectorIn values, const PhaseFit& fit) {
+/// What is captured is smoothed and drawn to rest, so that a slow foot is cut off and the middle of its rates
+/// moves: the event as fitted has it.
+Rates rates_with_fit(VectorIn frames, VectorIn values, const PhaseFit& fit) {
     const Eigen::VectorXd event =
         frames.segment(fit.first, fit.last - fit.first + 1).unaryExpr([&](double frame) {
             return fit.shape.value(frame);
         });
-    return rates_of(with_event(values, fit, event));
+    return {rates_of(values), rates_of(with_event(values, fit, event))};
 }
 
 /// Both curves at every frame of the stretch of rows in which their events are, as straight lines have them.
@@ -136,10 +151,8 @@ Interval lag_interval(const EvenCurves& even, Span span, const DelayOptions& opt
     std::vector<double> lags;
     lags.reserve(static_cast<std::size_t>(options.num_draws));
     for (int k = 0; k < options.num_draws; ++k) {
-        lags.push_back(correlation_peak(rates_of(with_event(even.leader, leader_fit, first.col(k))),
-                                        rates_of(with_event(even.curve, fit, second.col(k))), span,
-                                        options.max_lag)
-                           .lag);
+        lags.push_back(best_lag(rates_of(with_event(even.leader, leader_fit, first.col(k))),
+                                rates_of(with_event(even.curve, fit, second.col(k))), span, options.max_lag));
     }
     const std::optional<DrawnRange> range = range_of(std::move(lags));
     if (!range) {
@@ -152,25 +165,24 @@ Interval lag_interval(const EvenCurves& even, Span span, const DelayOptions& opt
 }
 
 /// How often a curve that is shifted about its own clip, so that nothing in it can belong to the leader's
-/// event, correlates as well.
-double chance_of(const Eigen::VectorXd& leader, const Eigen::VectorXd& other, Span span, int max_lag,
-                 double correlation) {
-    const int count = static_cast<int>(other.size());
+/// event, correlates as well at the lag that it then has.
+double chance_of(const Rates& leader, const Rates& other, Span span, int max_lag, double correlation) {
+    const int count = static_cast<int>(other.own.size());
     int shifts = 0, as_good = 0;
-    Eigen::VectorXd shifted(count);
+    Rates shifted{Eigen::VectorXd(count), Eigen::VectorXd(count)};
     for (int shift = 2 * max_lag + 1; shift < count - 2 * max_lag; ++shift) {
-        for (int i = 0; i < count; ++i) {
-            shifted[i] = other[(i + shift) % count];
-        }
+        const int rest = count - shift;
+        shifted.own << other.own.tail(rest), other.own.head(shift);
+        shifted.fitted << other.fitted.tail(rest), other.fitted.head(shift);
         // A quiet stretch is no match however alike its noise is; of others the size does not count, as it
         // does not for the event's own
         double energy = 0, own = 0;
         for (int i = span.first; i <= span.last; ++i) {
-            energy += shifted[i] * shifted[i];
-            own += other[i] * other[i];
+            energy += shifted.own[i] * shifted.own[i];
+            own += other.own[i] * other.own[i];
         }
         const bool is_quiet = energy <= kQuiet * kQuiet * own;
-        as_good += !is_quiet && correlation_peak(leader, shifted, span, max_lag).correlation >= correlation;
+        as_good += !is_quiet && match_of(leader, shifted, span, max_lag).correlation >= correlation;
         ++shifts;
     }
     return shifts == 0 ? 1 : (1. + as_good) / (1. + shifts);
@@ -209,19 +221,18 @@ std::optional<Delay> estimate_delay(VectorIn frames, VectorIn leader, const Phas
     const double begin = std::min(fit.shape.onset, leader_fit.shape.onset) - kAround;
     const double end = std::max(fit.shape.apex(), leader_fit.shape.apex()) + kAround;
     const Span span{row_of(even->frames, begin), row_of(even->frames, end)};
-    const Eigen::VectorXd first = rates_of(even->leader), second = rates_of(even->curve);
-    const Peak peak =
-        correlation_peak(fitted_rates(even->frames, even->leader, even->leader_fit),
-                         fitted_rates(even->frames, even->curve, even->fit), span, options.max_lag);
+    const Rates first = rates_with_fit(even->frames, even->leader, even->leader_fit);
+    const Rates second = rates_with_fit(even->frames, even->curve, even->fit);
+    const Match match = match_of(first, second, span, options.max_lag);
     Delay delay;
-    delay.correlation = correlation_peak(first, second, span, options.max_lag).correlation;
-    delay.lag = lag_interval(*even, span, options, peak.lag);
+    delay.correlation = match.correlation;
+    delay.lag = lag_interval(*even, span, options, match.lag);
     delay.onset_lag = apart;
     delay.apex_lag = fit.shape.apex() - leader_fit.shape.apex();
     delay.chance = chance_of(first, second, span, options.max_lag, delay.correlation);
     // Groups that differ in shape alone have rates apart, and neither begins later
     const bool begins_apart = std::abs(apart) > std::hypot(onset_std(leader_fit), onset_std(fit));
-    const bool checks = begins_apart && peak.lag * delay.onset_lag > 0 && peak.lag * delay.apex_lag > 0;
+    const bool checks = begins_apart && match.lag * delay.onset_lag > 0 && match.lag * delay.apex_lag > 0;
     delay.is_delayed = checks && (delay.lag.lower > 0 || delay.lag.upper < 0) && delay.chance < .05;
     return delay;
 }

@@ -9,6 +9,11 @@
 namespace mimetic {
 namespace {
 
+constexpr double kUsualNoise = .01;
+constexpr int kIterations = 60;
+constexpr double kEarly = .65;     // of the height, at which the application of a long event may have ended
+constexpr double kTauOfFall = .6;  // an exponential's, over the frames of a straight fall like it
+
 struct Limits {
     PhaseParameters lower, upper;
 };
@@ -37,6 +42,9 @@ PhaseShape shape_of(PhaseModel model, const FittedEvent& data, const PhaseParame
     shape.onset = p[kOnset];
     shape.rise = std::exp(p[kRise]);
     shape.hold = std::expm1(p[kHold]);
+    if (!data.rows.ends_after) {
+        shape.hold = std::clamp(data.frames[data.frames.size() - 1] - shape.apex(), 0., shape.hold);
+    }
     shape.drift = p[kDrift];
     shape.exponent = model == PhaseModel::linear_ramp ? 0 : p[kExponent];
     shape.release_time = std::exp(p[kRelease]);
@@ -47,13 +55,16 @@ PhaseShape shape_of(PhaseModel model, const FittedEvent& data, const PhaseParame
     return shape;
 }
 
+/// Residual of each frame that a release comes after the rows, which show that there was one.
+constexpr double kBeyondRows = 1;
+
 /// The weighted, robust distance of the smoothed model from the curve.
 class PhaseResidual : public ceres::CostFunction {
 public:
     /// exponent_weight: of the exponent itself, which is expected about 0
     PhaseResidual(const FittedEvent& data, PhaseModel model, double robust_scale, double exponent_weight)
         : data_(data), model_(model), robust_scale_(robust_scale), exponent_weight_(exponent_weight) {
-        set_num_residuals(static_cast<int>(data.frames.size()) + 1);
+        set_num_residuals(static_cast<int>(data.frames.size()) + 2);
         mutable_parameter_block_sizes()->push_back(kPhaseParameters);
     }
 
@@ -86,11 +97,15 @@ public:
             table.row(i) *= slope * data_.weights[i];
         }
         residuals[n] = exponent_weight_ * parameters[0][kExponent];
+        const Jet beyond = p[kOnset] + rise + hold - data_.frames[n - 1];
+        const double weight = !data_.rows.ends_after && beyond.a > 0 ? kBeyondRows : 0;
+        residuals[n + 1] = weight * beyond.a;
         if (jacobians != nullptr && jacobians[0] != nullptr) {
-            Eigen::Map<MatrixRows> jacobian(jacobians[0], n + 1, kPhaseParameters);
+            Eigen::Map<MatrixRows> jacobian(jacobians[0], n + 2, kPhaseParameters);
             jacobian.topRows(n) = table.rightCols<kPhaseParameters>();
             jacobian.row(n).setZero();
             jacobian(n, kExponent) = exponent_weight_;
+            jacobian.row(n + 1) = weight * beyond.v.transpose();
         }
         return table.allFinite();
     }
@@ -131,28 +146,88 @@ Limits limits_of(const FittedEvent& data, PhaseModel model) {
     return limits;
 }
 
-/// Where the curve passes a share of its height, walking from the top.
-double crossing(const FittedEvent& data, double share, int step) {
-    const int n = static_cast<int>(data.frames.size());
-    int i = data.rows.top - data.rows.first;
-    const double low = step < 0 && data.before ? *data.before : data.values.minCoeff();
-    const double level = low + share * (data.values[i] - low);
-    while (i + step >= 0 && i + step < n && data.values[i] > level) {
-        i += step;
+/// Frames about which a fit begins: of the foot and the top of the rise, and of the fall.
+struct RoughTimes {
+    double begin, full, leave, end;
+};
+
+/// Row at which the curve passes a share of its height: out from a row while it is above it, or in from one
+/// of the ends while it is below.
+int crossing(const FittedEvent& data, double share, int row, int step, bool is_out) {
+    const int n = static_cast<int>(data.frames.size()), top = data.rows.top - data.rows.first;
+    const double low = (is_out ? step : -step) < 0 && data.before ? *data.before : data.values.minCoeff();
+    const double level = low + share * (data.values[top] - low);
+    while (row + step >= 0 && row + step < n && (data.values[row] > level) == is_out) {
+        row += step;
     }
-    return data.frames[i];
+    return row;
+}
+
+/// Of what is above a share of the height without a break about the top, on its way up and down.
+RoughTimes times_about_top(const FittedEvent& data, double up, double down) {
+    const int top = data.rows.top - data.rows.first;
+    const auto at = [&](double share, int step) {
+        return data.frames[crossing(data, share, top, step, true)];
+    };
+    return {at(.15, -1), at(up, -1), at(down, 1), at(.15, 1)};
+}
+
+/// Of all from the first to the last row above a share of the height, whatever dips are between them.
+RoughTimes times_of_whole(const FittedEvent& data, double share) {
+    const int full = crossing(data, share, 0, 1, false);
+    const int leave = crossing(data, share, static_cast<int>(data.frames.size()) - 1, -1, false);
+    const int begin = crossing(data, .15, full, -1, true), end = crossing(data, .15, leave, 1, true);
+    return {data.frames[begin], data.frames[full], data.frames[leave], data.frames[end]};
 }
 
 /// early: the share of the height at which the application may have ended, with the level drifting on.
-PhaseParameters starting_point(const FittedEvent& data, PhaseModel model, double exponent, double early) {
+PhaseParameters starting_point(const FittedEvent& data, PhaseModel model, const RoughTimes& times,
+                               double exponent, double early) {
     const double low = data.values.minCoeff(), high = data.values.maxCoeff();
-    const double begin = crossing(data, .15, -1), full = crossing(data, .9 * early, -1);
-    const double leave = crossing(data, .9, 1), end = crossing(data, .15, 1);
-    const double rise = std::max(2.0, 1.3 * (full - begin)), fall = std::max(2.0, end - leave);
+    const double rise = std::max(2.0, 1.3 * (times.full - times.begin));
+    const double fall = std::max(2.0, times.end - times.leave);
     PhaseParameters p;
-    p << low, early * (high - low), begin - .15 * rise, std::log(rise),
-        std::log1p(std::max(0.0, leave - full)), exponent,
-        std::log(model == PhaseModel::linear_ramp ? fall : .6 * fall), std::log(4.), .25, 1 / early - 1;
+    p << low, early * (high - low), times.begin - .15 * rise, std::log(rise),
+        std::log1p(std::max(0.0, times.leave - times.full)), exponent,
+        std::log(model == PhaseModel::linear_ramp ? fall : kTauOfFall * fall), std::log(4.), .25,
+        1 / early - 1;
+    return p;
+}
+
+std::vector<PhaseParameters> starting_points(const FittedEvent& data, PhaseModel model) {
+    std::vector<PhaseParameters> starts;
+    const auto add = [&](const RoughTimes& times, double early) {
+        if (model == PhaseModel::linear_ramp) {
+            starts.push_back(starting_point(data, model, times, 0, early));
+            return;
+        }
+        for (const double exponent : {-2., 1.5}) {
+            starts.push_back(starting_point(data, model, times, exponent, early));
+        }
+    };
+    add(times_about_top(data, .9, .9), 1);
+    add(times_about_top(data, 1, 1), 1);
+    add(times_of_whole(data, .9), 1);
+    add(times_of_whole(data, .5), 1);
+    if (data.rows.is_long) {
+        add(times_about_top(data, .9 * kEarly, .9), kEarly);
+        RoughTimes whole = times_of_whole(data, .5);
+        whole.leave = .5 * (whole.full + whole.leave);  // let go slowly, from long before the last
+        add(whole, kEarly);
+    }
+    return starts;
+}
+
+/// What one model found, for another to begin at.
+PhaseParameters as_start(const PhaseParameters& found, PhaseModel from, PhaseModel to) {
+    PhaseParameters p = found;
+    if (from == PhaseModel::linear_ramp) {
+        p[kRelease] += std::log(kTauOfFall);
+    }
+    if (to == PhaseModel::linear_ramp) {
+        p[kRelease] -= std::log(kTauOfFall);
+        p[kExponent] = 0;
+    }
     return p;
 }
 
@@ -200,6 +275,21 @@ void score_fit(const FittedEvent& data, PhaseModel model, ModelFit& fit) {
         1 - fit.variance * n / std::max(1e-12, ((data.values.array() - mean).square() * used).sum());
 }
 
+/// Once its noise is known, from the least cost at the usual one.
+void finish_fit(const FittedEvent& data, PhaseModel model, const PhaseOptions& options, ModelFit& fit) {
+    score_fit(data, model, fit);
+    if (options.exponent_std > 0 && model != PhaseModel::linear_ramp) {
+        minimise(data, model, options, std::sqrt(fit.variance), kIterations, fit.parameters);
+        score_fit(data, model, fit);
+    }
+    const int count = kPhaseParameters - static_cast<int>(fixed_parameters(model, data.rows).size());
+    const double variance = std::max(fit.variance, kLeastNoise * kLeastNoise), worth = worth_of(data);
+    fit.bic = worth * std::log(variance) + count * std::log(worth);
+    if (options.exponent_std > 0) {
+        fit.bic += std::pow(fit.shape.exponent / options.exponent_std, 2);
+    }
+}
+
 }  // namespace
 
 std::optional<double> level_before(const FittedEvent& data) {
@@ -217,44 +307,41 @@ std::optional<double> level_before(const FittedEvent& data) {
     return is_raised && !data.rows.begins_before ? std::optional(before) : std::nullopt;
 }
 
-ModelFit fit_model(const FittedEvent& data, PhaseModel model, const PhaseOptions& options) {
-    ModelFit fit;
-    constexpr double kUsualNoise = .01;
-    double least = std::numeric_limits<double>::infinity();
-    for (const double early : {1., .65}) {
-        for (const double exponent : {-2., 1.5}) {
-            PhaseParameters p = starting_point(data, model, exponent, early);
-            const double cost = minimise(data, model, options, kUsualNoise, 60, p);
-            if (cost < least) {
-                least = cost;
-                fit.parameters = p;
-            }
-            if (model == PhaseModel::linear_ramp) {
-                break;
-            }
+std::array<ModelFit, kNumPhaseModels> fit_models(const FittedEvent& data, const PhaseOptions& options) {
+    std::array<ModelFit, kNumPhaseModels> fits;
+    std::array<double, kNumPhaseModels> least{};
+    least.fill(std::numeric_limits<double>::infinity());
+    const auto try_start = [&](std::size_t m, PhaseParameters p) {
+        const double cost = minimise(data, static_cast<PhaseModel>(m), options, kUsualNoise, kIterations, p);
+        if (cost < least[m]) {
+            least[m] = cost;
+            fits[m].parameters = p;
         }
-        if (!data.rows.is_long) {
-            break;
+    };
+    for (std::size_t m = 0; m < fits.size(); ++m) {
+        for (const PhaseParameters& start : starting_points(data, static_cast<PhaseModel>(m))) {
+            try_start(m, start);
         }
     }
-    score_fit(data, model, fit);
-    if (options.exponent_std > 0 && model != PhaseModel::linear_ramp) {
-        minimise(data, model, options, std::sqrt(fit.variance), 60, fit.parameters);
-        score_fit(data, model, fit);
+    // Each has minima that another does not stop in
+    for (std::size_t m = 0; m < fits.size(); ++m) {
+        for (std::size_t other = 0; other < fits.size(); ++other) {
+            if (other != m) {
+                try_start(m, as_start(fits[other].parameters, static_cast<PhaseModel>(other),
+                                      static_cast<PhaseModel>(m)));
+            }
+        }
     }
-    const int count = kPhaseParameters - static_cast<int>(fixed_parameters(model, data.rows).size());
-    const double variance = std::max(fit.variance, kLeastNoise * kLeastNoise), worth = worth_of(data);
-    fit.bic = worth * std::log(variance) + count * std::log(worth);
-    if (options.exponent_std > 0) {
-        fit.bic += std::pow(fit.shape.exponent / options.exponent_std, 2);
+    for (std::size_t m = 0; m < fits.size(); ++m) {
+        finish_fit(data, static_cast<PhaseModel>(m), options, fits[m]);
     }
-    return fit;
+    return fits;
 }
 
 PhaseShape refit_model(const FittedEvent& drawn, const ModelFit& fit, const PhaseOptions& options) {
-    constexpr int kIterations = 12;
+    constexpr int kFew = 12;
     PhaseParameters p = fit.parameters;
-    minimise(drawn, fit.shape.model, options, std::sqrt(fit.variance), kIterations, p);
+    minimise(drawn, fit.shape.model, options, std::sqrt(fit.variance), kFew, p);
     return shape_of(fit.shape.model, drawn, p);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <limits>
 #include <mimetic/analyse/curve_noise.hpp>
 #include <mimetic/analyse/phases.hpp>
@@ -32,7 +33,8 @@ struct ModelFit {
 /// The lowest level before the event's top where it is well above the lowest one after it.
 std::optional<double> level_before(const FittedEvent& data);
 
-ModelFit fit_model(const FittedEvent& data, PhaseModel model, const PhaseOptions& options);
+/// Of each model its best from several starts, and from what the other models found.
+std::array<ModelFit, kNumPhaseModels> fit_models(const FittedEvent& data, const PhaseOptions& options);
 
 /// The same model fitted to another draw of the curve, from the fit's parameters.
 PhaseShape refit_model(const FittedEvent& drawn, const ModelFit& fit, const PhaseOptions& options);

@@ -96,10 +96,9 @@ PhaseFit fit_event(const FittedEvent& data, double value_std, double smoothing, 
                    VectorIn frames) {
     PhaseFit fit;
     fit.smoothing = smoothing;
-    std::array<ModelFit, kNumPhaseModels> models;
+    const std::array<ModelFit, kNumPhaseModels> models = fit_models(data, options);
     ModelFit best;
     for (std::size_t m = 0; m < models.size(); ++m) {
-        models[m] = fit_model(data, static_cast<PhaseModel>(m), options);
         fit.bic[m] = models[m].bic;
         if (models[m].bic < best.bic) {
             best = models[m];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mimetic/analyse/action_units.hpp>
 #include <mimetic/analyse/comparison.hpp>
@@ -68,6 +69,29 @@ TEST(Comparison, AUnitExplainsItselfAndHasNoEnergyOutside) {
     EXPECT_EQ(more.outside_far_share, more.outside_share);
     EXPECT_TRUE(
         std::isnan(compare_displacements(vertices, 0 * seen, unit, areas, stds, reach).outside_share));
+}
+
+TEST(Comparison, EvenMotionOfUnevenAreasHasNoGini) {
+    const Points unit = Points::Zero(4, 3), vertices = Points::Zero(4, 3);
+    Points seen = Points::Zero(4, 3);
+    seen.col(1).setConstant(.005);
+    const Eigen::Vector4d areas(1, .1, 4, 0), stds = Eigen::Vector4d::Zero(), reach(1, 1, 0, 0);
+    EXPECT_NEAR(compare_displacements(vertices, seen, unit, areas, stds, reach).gini, 0, 1e-12);
+    seen.topRows(2).setZero();  // all in four parts of 5.1
+    EXPECT_NEAR(compare_displacements(vertices, seen, unit, areas, stds, reach).gini, 1.1 / 5.1, 1e-12);
+    EXPECT_TRUE(std::isnan(compare_displacements(vertices, unit, unit, areas, stds, reach).gini));
+}
+
+TEST(Comparison, TheBestRampBeginsAndEndsBetweenRows) {
+    Eigen::VectorXd course(60);
+    for (int i = 0; i < 60; ++i) {
+        course[i] = .9 * std::min(std::clamp((i - 8.4) / 6.9, 0., 1.), std::clamp((45.6 - i) / 9.3, 0., 1.));
+    }
+    Eigen::RowVectorXd pattern(3);
+    pattern << .01, 0, 0;
+    const TemporalComparison found = compare_courses(course * pattern, Eigen::VectorXd::Ones(1), 9, 16);
+    EXPECT_GT(found.ramp_whole_explained, .99999);
+    EXPECT_TRUE(found.ramp.isApprox(found.course, .005));
 }
 
 TEST(Comparison, OnePatternByAStraightRampIsTold) {

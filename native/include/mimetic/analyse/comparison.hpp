@@ -23,7 +23,7 @@ struct SpatialComparison {
     double outside_share;              ///< of the measured displacement's energy, outside the region
     double outside_significant_share;  ///< the same of what is beyond two standard deviations alone
     double outside_far_share;          ///< of all energy again, farther than kResolved from the region
-    double gini;                       ///< of the energy over the skin: 0 spread evenly, 1 in one place
+    double gini;  ///< of squared displacement over areas: 0 spread evenly, 1 in one place
 };
 
 /// vertices, of the neutral, seen, unit: V x 3, metres; areas, stds: V; reach: V, above 0 within the unit's

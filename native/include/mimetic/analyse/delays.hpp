@@ -17,10 +17,12 @@ struct DelayOptions {
 /// How much later the application of one curve comes than that of another.
 struct Delay {
     Interval lag;  ///< frames, by the peak of the cross-correlation of the fits' rates; above 0: later
-    double correlation = 0;   ///< of the curves' own rates at their peak
-    double onset_lag = 0;     ///< the same by the fitted onsets, as a check
-    double apex_lag = 0;      ///< and by the fitted ends of the application
-    double chance = 1;        ///< share of circular shifts of the other curve that correlate as well
+    double correlation = 0;  ///< of the curves' own rates at the lag
+    double onset_lag = 0;    ///< the same by the fitted onsets, as a check
+    double apex_lag = 0;     ///< and by the fitted ends of the application
+    /// Share of circular shifts of the other curve whose own rates, at the lag that they have by their
+    /// fitted ones, correlate as well.
+    double chance = 1;
     bool is_delayed = false;  ///< the interval excludes 0, the chance is under .05, the check agrees in sign
 };
 

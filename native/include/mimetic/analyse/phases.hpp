@@ -58,7 +58,7 @@ struct PhaseFit {
     int first = 0, last = 0;                    ///< rows of the curve that were fitted
     bool begins_before = false;  ///< active when the clip begins: onset and exponent are not known
     bool ends_after = false;     ///< active when the clip ends: release and relaxation are not known
-    bool is_certain = false;     ///< its amplitude is significant against the capture's error
+    bool is_certain = false;     ///< its amplitude is significant against the curve's own error
 };
 
 struct PhaseOptions {
