@@ -7,7 +7,6 @@ namespace {
 
 constexpr double kRotationStd = .1;      // rad a frame beyond the prediction
 constexpr double kTranslationStd = .02;  // metres a frame
-constexpr double kDeadZone = 2;          // more would delay onsets
 
 }  // namespace
 
@@ -33,8 +32,8 @@ Expectation Expectation::about(const FaceState& state) const {
 StepPrior Expectation::from(const FaceState& state, const TrackedFace& face) const {
     const Eigen::Index num_values = face.num_values();
     StepPrior prior{information, information * mean.difference_from(state).flat};
-    const RestPull::Terms terms =
-        face.to_rest.at(state.values, state.values, face.to_rest.shown(state.values), values_std, kDeadZone);
+    const RestPull::Terms terms = face.to_rest.at(
+        state.values, state.values, face.to_rest.shown(state.values), values_std, face.options.dead_zone);
     prior.information.bottomRightCorner(num_values, num_values) += face.rest_pull;
     prior.gradient.tail(num_values) -= face.rest_pull * state.values;
     prior.information.diagonal().tail(num_values) += terms.information;

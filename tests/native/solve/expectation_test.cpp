@@ -46,6 +46,19 @@ TEST_F(ExpectationTest, ThePriorPullsBackToWhatIsExpected) {
     EXPECT_NEAR(expected.about(aside).from(aside, face).gradient[3], 0, 1e-9);
 }
 
+TEST_F(ExpectationTest, WhatIsNearRestIsDrawnToItByTheDeadZoneAlone) {
+    TrackerOptions unpulled;
+    unpulled.dead_zone = 0;
+    const TrackedFace other{scene.camera, scene.surface, scene.motion, unpulled};
+    const Expectation expected = predict(face, first_memory(face, {}, state));
+    FaceState active = state;
+    active.values[0] = .05;
+    const double pulled = expected.from(active, face).gradient[6];
+    EXPECT_LT(pulled, expected.from(active, other).gradient[6]);
+    const Expectation about = expected.about(active);
+    EXPECT_NEAR(about.from(active, other).gradient[6], -(other.rest_pull * active.values)[0], 1e-9);
+}
+
 TEST_F(ExpectationTest, ATextureIsTakenWhereNoneIsNearAndUsedThere) {
     const auto gray_at = [&](const Eigen::Isometry3d& pose) {
         const std::vector<std::uint8_t> image = scene.render(pose, scene.rest());
