@@ -46,10 +46,10 @@ void bind_options(py::module_& m) {
         .def_readwrite("model_error", &TrackerOptions::model_error, "metres")
         .def_readwrite("shape_error", &TrackerOptions::shape_error, "metres")
         .def_readwrite("correlation_time", &TrackerOptions::correlation_time, "frames")
-        .def_readwrite("dead_zone", &TrackerOptions::dead_zone,
-                       "standard deviations by which values near rest are drawn to it in each frame")
         .def_readwrite("held_quality", &TrackerOptions::held_quality, "below it a frame is held, 0 to 1")
         .def_readwrite("relative_flow", &TrackerOptions::relative_flow)
+        .def_readwrite("unpulled_first", &TrackerOptions::unpulled_first,
+                       "judges what is at rest by a solution without the pull to rest")
         .def_readwrite("flow_method", &TrackerOptions::flow_method);
     py::class_<SmootherOptions>(m, "SmootherOptions", "How smooth a clip's states are, standard deviations.")
         .def(py::init<>())

@@ -59,7 +59,6 @@ void TrackerOptions::check() const {
     check_range("TrackerOptions.model_error", model_error, 1e-5, .05);
     check_range("TrackerOptions.shape_error", shape_error, 0, .05);
     check_range("TrackerOptions.correlation_time", correlation_time, 1, 1e6);
-    check_range("TrackerOptions.dead_zone", dead_zone, 0, 100);
     check_range("TrackerOptions.held_quality", held_quality, 0, 1);
 }
 

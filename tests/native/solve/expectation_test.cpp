@@ -46,17 +46,17 @@ TEST_F(ExpectationTest, ThePriorPullsBackToWhatIsExpected) {
     EXPECT_NEAR(expected.about(aside).from(aside, face).gradient[3], 0, 1e-9);
 }
 
-TEST_F(ExpectationTest, WhatIsNearRestIsDrawnToItByTheDeadZoneAlone) {
-    TrackerOptions unpulled;
-    unpulled.dead_zone = 0;
-    const TrackedFace other{scene.camera, scene.surface, scene.motion, unpulled};
+TEST_F(ExpectationTest, OtherValuesMaySayWhatIsActive) {
     const Expectation expected = predict(face, first_memory(face, {}, state));
+    const double free = expected.unpulled(state, face).gradient[6];
+    EXPECT_LT(expected.from(state, face).gradient[6], free - 1);
+    Eigen::VectorXd likely = state.values;
+    likely[0] = 1;
+    EXPECT_NEAR(expected.from(state, face, likely).gradient[6], free, .1);
     FaceState active = state;
-    active.values[0] = .05;
-    const double pulled = expected.from(active, face).gradient[6];
-    EXPECT_LT(pulled, expected.from(active, other).gradient[6]);
-    const Expectation about = expected.about(active);
-    EXPECT_NEAR(about.from(active, other).gradient[6], -(other.rest_pull * active.values)[0], 1e-9);
+    active.values[0] = 1;
+    EXPECT_LT(expected.from(active, face, state.values).gradient[6],
+              expected.from(active, face).gradient[6] - 1);
 }
 
 TEST_F(ExpectationTest, ATextureIsTakenWhereNoneIsNearAndUsedThere) {

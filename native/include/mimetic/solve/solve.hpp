@@ -54,9 +54,9 @@ struct TrackerOptions {
     double model_error = 3.5e-4;   ///< s.d. of what the modes cannot follow, metres, correlated over the skin
     double shape_error = 5e-4;     ///< s.d. of the neutral's depth, metres: counts when the head turns
     double correlation_time = 25;  ///< frames over which a value decorrelates
-    double dead_zone = 2;          ///< s.d. by which values near rest are drawn to it in each frame, 0 to 100
     double held_quality = 0.2;     ///< below it a frame is held, 0 to 1
     bool relative_flow = true;     ///< frame-to-frame flow for the first guess
+    bool unpulled_first = false;   ///< judges what is at rest by a solution without the pull to rest
     FlowMethod flow_method = FlowMethod::dis;  ///< against the reference textures
     void check() const;                        ///< throws InvalidInput: field, value, limit
 };
