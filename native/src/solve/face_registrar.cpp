@@ -89,8 +89,8 @@ Registration FaceRegistrar::register_textures(const Expectation& expected, const
             likely += solver_.solve(expected.unpulled(state, face_), state, effort.num_free, num_rounds)
                           .tail(likely.size());
         }
-        FaceStep& step = registration.last_step = FaceStep(
-            solver_.solve(expected.from(state, face_, likely), state, effort.num_free, num_rounds));
+        FaceStep& step = registration.last_step =
+            FaceStep(solver_.solve(expected.from(state, face_, likely), state, effort.num_free, num_rounds));
         state.apply(step);
         state.keep_within(face_.motion);
         if (iteration > 0 && step.rotation().norm() < kStill &&
