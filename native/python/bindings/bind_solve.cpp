@@ -48,8 +48,6 @@ void bind_options(py::module_& m) {
         .def_readwrite("correlation_time", &TrackerOptions::correlation_time, "frames")
         .def_readwrite("held_quality", &TrackerOptions::held_quality, "below it a frame is held, 0 to 1")
         .def_readwrite("relative_flow", &TrackerOptions::relative_flow)
-        .def_readwrite("unpulled_first", &TrackerOptions::unpulled_first,
-                       "judges what is at rest by a solution without the pull to rest")
         .def_readwrite("flow_method", &TrackerOptions::flow_method);
     py::class_<SmootherOptions>(m, "SmootherOptions", "How smooth a clip's states are, standard deviations.")
         .def(py::init<>())

@@ -31,25 +31,14 @@ Expectation Expectation::about(const FaceState& state) const {
 }
 
 StepPrior Expectation::from(const FaceState& state, const TrackedFace& face) const {
-    return from(state, face, state.values);
-}
-
-StepPrior Expectation::from(const FaceState& state, const TrackedFace& face,
-                            const Eigen::VectorXd& likely) const {
-    const Eigen::Index num_values = face.num_values();
-    StepPrior prior = unpulled(state, face);
-    const RestPull::Terms terms =
-        face.to_rest.at(state.values, likely, face.to_rest.shown(likely), values_std, kDeadZone);
-    prior.information.diagonal().tail(num_values) += terms.information;
-    prior.gradient.tail(num_values) += terms.pull;
-    return prior;
-}
-
-StepPrior Expectation::unpulled(const FaceState& state, const TrackedFace& face) const {
     const Eigen::Index num_values = face.num_values();
     StepPrior prior{information, information * mean.difference_from(state).flat};
+    const RestPull::Terms terms =
+        face.to_rest.at(state.values, state.values, face.to_rest.shown(state.values), values_std, kDeadZone);
     prior.information.bottomRightCorner(num_values, num_values) += face.rest_pull;
     prior.gradient.tail(num_values) -= face.rest_pull * state.values;
+    prior.information.diagonal().tail(num_values) += terms.information;
+    prior.gradient.tail(num_values) += terms.pull;
     return prior;
 }
 

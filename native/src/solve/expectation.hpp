@@ -36,12 +36,6 @@ struct Expectation {
 
     /// As a prior of steps from a state, with the pull to rest there.
     StepPrior from(const FaceState& state, const TrackedFace& face) const;
-
-    /// The same, where other values than the state's say what is active.
-    StepPrior from(const FaceState& state, const TrackedFace& face, const Eigen::VectorXd& likely) const;
-
-    /// Without the pull to rest.
-    StepPrior unpulled(const FaceState& state, const TrackedFace& face) const;
 };
 
 Expectation predict(const TrackedFace& face, const TrackMemory& memory);

@@ -83,14 +83,8 @@ Registration FaceRegistrar::register_textures(const Expectation& expected, const
         solver_.linearise(face_.camera, state, samples, present);
         solver_.add(features_.terms(state));
         solver_.allow(expected.depth_errors.at(state.camera_from_head));
-        const int num_rounds = iteration == 0 ? 3 : 2;
-        Eigen::VectorXd likely = state.values;
-        if (face_.options.unpulled_first && effort.num_free > FaceStep::kPose) {
-            likely += solver_.solve(expected.unpulled(state, face_), state, effort.num_free, num_rounds)
-                          .tail(likely.size());
-        }
-        FaceStep& step = registration.last_step =
-            FaceStep(solver_.solve(expected.from(state, face_, likely), state, effort.num_free, num_rounds));
+        FaceStep& step = registration.last_step = FaceStep(
+            solver_.solve(expected.from(state, face_), state, effort.num_free, iteration == 0 ? 3 : 2));
         state.apply(step);
         state.keep_within(face_.motion);
         if (iteration > 0 && step.rotation().norm() < kStill &&

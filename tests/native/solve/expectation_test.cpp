@@ -46,19 +46,6 @@ TEST_F(ExpectationTest, ThePriorPullsBackToWhatIsExpected) {
     EXPECT_NEAR(expected.about(aside).from(aside, face).gradient[3], 0, 1e-9);
 }
 
-TEST_F(ExpectationTest, OtherValuesMaySayWhatIsActive) {
-    const Expectation expected = predict(face, first_memory(face, {}, state));
-    const double free = expected.unpulled(state, face).gradient[6];
-    EXPECT_LT(expected.from(state, face).gradient[6], free - 1);
-    Eigen::VectorXd likely = state.values;
-    likely[0] = 1;
-    EXPECT_NEAR(expected.from(state, face, likely).gradient[6], free, .1);
-    FaceState active = state;
-    active.values[0] = 1;
-    EXPECT_LT(expected.from(active, face, state.values).gradient[6],
-              expected.from(active, face).gradient[6] - 1);
-}
-
 TEST_F(ExpectationTest, ATextureIsTakenWhereNoneIsNearAndUsedThere) {
     const auto gray_at = [&](const Eigen::Isometry3d& pose) {
         const std::vector<std::uint8_t> image = scene.render(pose, scene.rest());

@@ -51,11 +51,6 @@ def test_nor_is_one_out_of_focus(rendered_clip, fit, tmp_path):
     assert texture_of(path, fit) == COARSE
 
 
-def test_what_moves_is_judged_anew_in_each_frame_of_a_capture(rendered_clip, fit):
-    assert of_footage(tracker_options, rendered_clip.footage, fit).unpulled_first
-    assert not _core.TrackerOptions().unpulled_first  # live it would cost time
-
-
 def test_exposure_does_not_matter(rendered_clip, fit, tmp_path):
     as_it_is = of_footage(fine_contrast, rendered_clip.footage, fit)
     darker = another(

@@ -56,7 +56,6 @@ struct TrackerOptions {
     double correlation_time = 25;  ///< frames over which a value decorrelates
     double held_quality = 0.2;     ///< below it a frame is held, 0 to 1
     bool relative_flow = true;     ///< frame-to-frame flow for the first guess
-    bool unpulled_first = false;   ///< judges what is at rest by a solution without the pull to rest
     FlowMethod flow_method = FlowMethod::dis;  ///< against the reference textures
     void check() const;                        ///< throws InvalidInput: field, value, limit
 };

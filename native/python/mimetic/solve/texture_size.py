@@ -44,9 +44,6 @@ def tracker_options(
     is_fine = fine_contrast(reference, footage, fit, neutral, template) >= LEAST_FINE
     options = _core.TrackerOptions()
     options.crop_height, options.sample_spacing = FINE if is_fine else COARSE
-    # Of muscles that a frame can read in two ways a pull by the last frame's values would keep
-    # whichever came first (docs/decisions/0022)
-    options.unpulled_first = True
     return options
 
 
