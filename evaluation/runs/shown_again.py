@@ -24,6 +24,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from mimetic import InvalidInput
 from mimetic.media.footage import Footage
+from mimetic.muscles.sides import mirrored_name, mirrored_sign
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import GAZE
 from mimetic.score.text_table import text_table
@@ -42,7 +43,6 @@ FINE, COARSE = 4, 34  # constant rate factors of H.264
 ROLL = 8  # degrees
 MOVED = (16, 9)  # pixels right, down
 GRAY = (128, 128, 128)
-TURNED_OVER = ("jaw_side",)  # what changes its sign in a mirror
 
 Frames = NDArray[np.uint8]  # N x H x W x 3
 
@@ -96,10 +96,6 @@ def captured(frames: Frames, fps: float, way: str) -> Performance:
         return clip_capture.capture(path)
 
 
-def _other_side(name: str) -> str:
-    return {".L": name[:-2] + ".R", ".R": name[:-2] + ".L"}.get(name[-2:], name)
-
-
 def curves(performance: Performance, way: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Values and standard deviations, N x M each, in the frames and on the sides of the clip as it
     is: of the muscles, in units of the assumed strength, then of the articulators but gaze."""
@@ -111,9 +107,9 @@ def curves(performance: Performance, way: str) -> tuple[NDArray[np.float64], NDA
         values[:, : len(performance.muscles)] *= performance.muscle_extent
         std[:, : len(performance.muscles)] *= performance.muscle_extent
     if way == MIRRORED:
-        columns = [names.index(_other_side(name)) for name in names]
+        columns = [names.index(mirrored_name(name)) for name in names]
         values, std = values[:, columns], std[:, columns]
-        values[:, [names.index(name) for name in TURNED_OVER]] *= -1
+        values *= [mirrored_sign(name) for name in names]
     kept = [name not in GAZE for name in names]
     step = -1 if way == BACKWARD else 1
     return values[::step, kept], std[::step, kept]

@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.analyse.timing import COURSES, Event, Timing, articulator_curves, events_of
+from mimetic.analyse.timing import (
+    COURSES,
+    Event,
+    Timing,
+    articulator_curves,
+    events_of,
+    events_text,
+)
 from mimetic.muscles.action_units import ActionUnit, action_unit, is_face, named_places
 from mimetic.performance.document import Performance
 from mimetic.template.face_template import FaceTemplate
@@ -154,10 +161,9 @@ def _event_of(
     if number is not None:
         matches = [event for event in events if event.number == number]
         if not matches:
-            count = "1 event" if len(events) == 1 else f"{len(events)} events"
             raise InvalidInput(
-                f"--event {number}: {of_what} has {count} (phases.csv of `mimetic analyse` lists "
-                "them)"
+                f"--event {number}: {of_what} has {events_text(len(events))} (phases.csv of "
+                "`mimetic analyse` lists them)"
             )
         rest = rests[number]
         if rest is None:

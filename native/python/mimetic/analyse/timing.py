@@ -132,6 +132,11 @@ def events_of(
     return [Event(curve, number, fit) for number, fit in enumerate(fits, 1)]
 
 
+def events_text(count: int) -> str:
+    """So many events, in words."""
+    return "1 event" if count == 1 else f"{count} events"
+
+
 def _scene_starts(performance: Performance) -> list[float]:
     """Frames at which scenes after the first begin."""
     return [float(performance.frame[scene.start]) for scene in performance.scenes[1:]]

@@ -18,7 +18,7 @@ from mimetic.analyse.smiles import (
     summary_of,
 )
 from mimetic.analyse.tables import columns_of, delay_rows, phase_rows, write_table
-from mimetic.analyse.timing import Event, GroupDelay, Timing
+from mimetic.analyse.timing import Event, GroupDelay, Timing, events_text
 from mimetic.analyse.timing_figures import delay_figure, group_figure, smile_figure
 from mimetic.shared.whole_file import whole_file
 
@@ -107,8 +107,7 @@ def _phase_table(events: list[Event]) -> tuple[list[str], list[list[str]]]:
 def _model_words(events: list[Event]) -> str:
     counts = Counter(event.fit.shape.model.name.replace("_", " ") for event in events)
     words = ", ".join(f"{count} as {model}" for model, count in counts.most_common())
-    count = "1 event" if len(events) == 1 else f"{len(events)} events"
-    return f"By the Bayesian information criterion, of {count} {words}."
+    return f"By the Bayesian information criterion, of {events_text(len(events))} {words}."
 
 
 def _delay_parts(pairs: list[GroupDelay], pictures: dict[str, bytes]) -> Iterator[str]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from mimetic.analyse.timing import analyse_timing
+from mimetic.analyse.timing import analyse_timing, events_text
 from mimetic.analyse.timing_report import FILES, write_timing
 from mimetic.commands.console import Console
 from mimetic.performance.document import Performance
@@ -37,6 +37,8 @@ def run_analyse(arguments: argparse.Namespace) -> int:
         publish(folder, out, is_finished=True)
     certain = [event for event in timing.of_kind("group") if event.fit.is_certain]
     delayed_pairs = [pair for pair in timing.delays if pair.delay.is_delayed]
-    count = "1 event" if len(certain) == 1 else f"{len(certain)} events"
-    print(f"{out}: {count} of groups, {len(delayed_pairs)} of {len(timing.delays)} pairs delayed")
+    print(
+        f"{out}: {events_text(len(certain))} of groups, {len(delayed_pairs)} of "
+        f"{len(timing.delays)} pairs delayed"
+    )
     return 0
