@@ -14,6 +14,7 @@ COMPOSITOR_IS_A_GROUP = bpy.app.version >= (5, 0, 0)
 SEQUENCES_ARE_STRIPS = bpy.app.version >= (4, 4, 0)
 PROPERTIES_ARE_APART = bpy.app.version >= (5, 0, 0)  # an add-on's from those of the user's own
 CLIPS_ARE_TURNED = bpy.app.version >= (4, 5, 0)  # as their files say, which phones do
+STRIP_NAME_BYTES = 63  # at most, of a strip of the NLA
 # Options of a property with a path that may start with // (from 4.5 on Blender warns of others)
 RELATIVE_PATH = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
 
@@ -205,7 +206,9 @@ def add_strip(
     track: bpy.types.NlaTrack, name: str, start: float, action: bpy.types.Action, slot: str = ""
 ):
     """A strip that plays an action, by its first slot if none is named, on what the track is of."""
-    strip = track.strips.new(name, int(start), action)
+    # Blender cuts longer names within a letter, and what it then has for a name cannot be read
+    short = name.encode()[:STRIP_NAME_BYTES].decode(errors="ignore")
+    strip = track.strips.new(short, int(start), action)
     if ACTIONS_HAVE_SLOTS and action.slots:
         strip.action_slot = action.slots.get(slot) or action.slots[0]
     length = strip.frame_end - strip.frame_start

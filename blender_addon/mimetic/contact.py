@@ -166,7 +166,8 @@ def _poll() -> float | None:
     if any(state.thread.is_alive() for state in _states.values()):
         return POLL_SECONDS
     for name in _states:
-        if face := bpy.data.objects.get(name):
+        face = bpy.data.objects.get(name)
+        if face is not None and scene_in.is_face(face):  # another object may have its name by now
             face.data.shape_keys.update_tag()
     return None
 

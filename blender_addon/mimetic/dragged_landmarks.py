@@ -16,7 +16,7 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.app.translations import pgettext_iface as iface_
 
-from . import control_preview, editors, handlers, heads, jobs, native, playback
+from . import control_preview, editors, handlers, heads, jobs, native, playback, scene_in
 from .job_run import Run
 
 WATCH_SECONDS, STILL_SECONDS = 0.1, 0.5
@@ -150,7 +150,7 @@ def _show_again() -> None:
     if character is None or done.run.stop.is_set() or control_preview.active or jobs.running:
         return
     windows = bpy.context.window_manager.windows
-    window = next((w for w in windows if character.name in w.view_layer.objects), None)
+    window = next((w for w in windows if scene_in.holds(w.view_layer, character)), None)
     if window is None:
         return
     with bpy.context.temp_override(window=window, active_object=character, object=character):

@@ -166,17 +166,35 @@ def is_held(clip: bpy.types.MovieClip) -> bool:
     return any(track.name in ours for track in clip.tracking.stabilization.tracks)
 
 
+def holds(
+    owner: bpy.types.Scene | bpy.types.ViewLayer | bpy.types.Collection,
+    obj: bpy.types.Object | None,
+) -> bool:
+    """Whether an object is among the owner's: not by its name, which one that is linked may share
+    with one that was deleted or is another scene's."""
+    same_name = owner.objects.get(obj.name) if obj is not None else None
+    if same_name is None or same_name == obj:
+        return same_name is not None
+    return obj in owner.objects.values()  # slower, where two have the name
+
+
+def active(context) -> bpy.types.Object | None:
+    """The active object: of the view layer, where a script overrides the window's scene alone."""
+    obj = context.active_object
+    return obj if holds(context.scene, obj) else context.view_layer.objects.active
+
+
 def face_of(context) -> bpy.types.Object | None:
     """The face that panels and buttons mean: the active object if it is one, else the baked one."""
-    active = context.active_object
-    if active is not None and is_face(active):
-        return active
-    if active is not None and (controlled_face := face_by_control(context.scene, active)):
+    chosen = active(context)
+    if chosen is not None and is_face(chosen):
+        return chosen
+    if chosen is not None and (controlled_face := face_by_control(context.scene, chosen)):
         return controlled_face
-    if active is not None and active.mimetic.landmark and active.parent and is_face(active.parent):
-        return active.parent
+    if chosen is not None and chosen.mimetic.landmark and chosen.parent and is_face(chosen.parent):
+        return chosen.parent
     face = context.scene.mimetic.face
-    return face if face is not None and face.name in context.scene.objects else None
+    return face if holds(context.scene, face) else None
 
 
 def face_by_control(scene: bpy.types.Scene, control: bpy.types.Object) -> bpy.types.Object | None:
@@ -188,10 +206,10 @@ def face_by_control(scene: bpy.types.Scene, control: bpy.types.Object) -> bpy.ty
 
 def shown_face(context) -> bpy.types.Object | None:
     """The face whose sliders are listed; none while another mesh is active, which decides."""
-    active, face = context.active_object, face_of(context)
+    chosen, face = active(context), face_of(context)
     if face is None or not is_face(face):
         return None
-    return None if active is not None and active.type == "MESH" and active != face else face
+    return None if chosen is not None and chosen.type == "MESH" and chosen != face else face
 
 
 def is_face(candidate: bpy.types.Object) -> bool:
@@ -342,6 +360,6 @@ def pixel_aspect(scene: bpy.types.Scene) -> float:
 def camera_matrix(scene: bpy.types.Scene) -> list[list[float]] | None:
     """Where the footage's camera stands, world from camera; None before the first bake."""
     camera = scene.mimetic.camera
-    if camera is None or camera.name not in scene.objects:
+    if not holds(scene, camera):
         return None
     return [list(row) for row in world.matrix(camera)]

@@ -35,7 +35,7 @@ def bound_head(context) -> bpy.types.Object | None:
     The scene's own face is none: a bake makes it the person who was captured. Nor is the face that
     was baked from the clip while the scene's is another clip's: it is updated.
     """
-    active, face = context.active_object, context.scene.mimetic.face
+    active, face = scene_in.active(context), context.scene.mimetic.face
     if active is None or active == face or not scene_in.is_face(active):
         return None
     clip = scene_in.clip_of(context)
@@ -47,9 +47,9 @@ def bound_head(context) -> bpy.types.Object | None:
 def no_update(scene: bpy.types.Scene) -> str:
     """Why the scene's own face and camera cannot take a performance."""
     face, camera = scene.mimetic.face, scene.mimetic.camera
-    if face is not None and face.name in scene.objects and (reason := writable.no_shapes(face)):
+    if scene_in.holds(scene, face) and (reason := writable.no_shapes(face)):
         return reason
-    if camera is not None and camera.name in scene.objects:
+    if scene_in.holds(scene, camera):
         return writable.no_lens(camera)
     return ""
 
@@ -65,7 +65,7 @@ def no_head_target(context) -> str:
         return reason
     settings = context.scene.mimetic
     target = settings.head.target
-    if target is None or target.name not in context.scene.objects:
+    if not scene_in.holds(context.scene, target):
         return "Choose the object, empty or armature that the head shall move"
     if reason := writable.no_motion(target):
         return reason
@@ -102,7 +102,7 @@ def no_curves(context) -> str:
 
 def take_owner(context) -> bpy.types.Object | None:
     """Whose takes buttons mean: the active character's, if it has any, else the face's."""
-    active = context.active_object
+    active = scene_in.active(context)
     if active is not None and len(active.mimetic.takes):
         return active
     return scene_in.face_of(context)

@@ -99,7 +99,7 @@ def own_object(scene: bpy.types.Scene, name: str) -> bpy.types.Object:
     """An object of this file by its name, which an override shares with what it overrides; else
     whatever the scene has. Raises InvalidInput where that is nothing by now."""
     own = bpy.data.objects.get((name, None))
-    found = own if own is not None and own.name in scene.objects else scene.objects.get(name)
+    found = own if own in scene.objects.values() else scene.objects.get(name)
     if found is None:
         raise native.invalid_input(
             rpt_("{head} was deleted or renamed meanwhile: begin again").format(head=name)

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Heads fitted to real faces in little light or light from one side, beside marks made by hand.
+"""Heads fitted to real faces in bad light, beside marks made by hand.
 
     python -m evaluation.runs.badly_lit [--frames-a-clip N]
 
 Of each marked clip frames spread over it are darkened as a whole, or to the right of the face and
 then to the left of it, as a lamp at the other side would leave them, down to a share of their
-light; noise of a camera is added. Prints how many are made brighter for what looks at the face, in
+light; shown in light of nearly one colour, and through fog that leaves a share of the contrast;
+noise of a camera is added. Prints how many are made brighter for what looks at the face, in
 how many a head is fitted and how far it lies from the marks, and, where scripts/face_mesh_env
 works, the same of MediaPipe's mesh in its mode for stills.
 """
@@ -35,6 +36,10 @@ from evaluation.runs.real_score import FACE_MESH, FEATURES, FIRST_FIT, in_face_f
 from evaluation.synthetic.noise import smoothstep
 
 SHARES = (0.4, 0.2, 0.1, 0.05)  # of the light that is left
+# Gains of red, green and blue
+COLOURS = {"red": (1.0, 0.05, 0.03), "blue": (0.03, 0.05, 1.0), "deep blue": (0.0, 0.02, 0.9)}
+CONTRASTS = (0.25, 0.12, 0.06)  # shares of it that are left
+FOG = 190  # grey level that it is on
 SOFTNESS = 0.55  # interpupillary distances over which light falls off
 NOISE = 1.5  # grey levels
 FAR = 12.0  # % of the interpupillary distance: a fit whose points lie as far on the mean is wrong
@@ -62,14 +67,18 @@ def beyond(labels: Labels, width: int) -> NDArray[np.float64]:
     return smoothstep(middle - softness / 2, middle + softness / 2, np.arange(width))
 
 
-def lights(labels: Labels, width: int) -> Iterator[tuple[str, NDArray[np.float64]]]:
-    """Each light by name, and the share of it that each column of a picture has."""
-    right = beyond(labels, width)
+def lights(labels: Labels, image: NDArray[np.uint8]) -> Iterator[tuple[str, NDArray[np.float64]]]:
+    """Each light by name, and the picture in it, H x W x 3, not rounded."""
+    right = beyond(labels, image.shape[1])[:, None]
     for share in SHARES:
-        yield f"{share:g} of the light", np.full(width, share)
+        yield f"{share:g} of the light", image * share
     for share in SHARES:
         for side in (right, 1 - right):
-            yield f"{share:g} of it on one side", 1 + (share - 1) * side
+            yield f"{share:g} of it on one side", image * (1 + (share - 1) * side)
+    for colour, gains in COLOURS.items():
+        yield f"{colour} light", image * np.array(gains)
+    for share in CONTRASTS:
+        yield f"fog, {share:g} of the contrast", image * share + FOG
 
 
 def pictures(frames_a_clip: int) -> Iterator[Shown]:
@@ -82,9 +91,9 @@ def pictures(frames_a_clip: int) -> Iterator[Shown]:
             own = labels.rows(np.arange(len(labels.frame)) == row)
             image = footage.read(int(own.frame[0]))
             yield Shown("as filmed", image, own)
-            for light, gain in lights(own, image.shape[1]):
-                lit = image * gain[None, :, None] + noise.normal(0, NOISE, image.shape)
-                yield Shown(light, np.clip(np.round(lit), 0, 255).astype(np.uint8), own)
+            for light, lit in lights(own, image):
+                noisy = lit + noise.normal(0, NOISE, image.shape)
+                yield Shown(light, np.clip(np.round(noisy), 0, 255).astype(np.uint8), own)
 
 
 def is_raised(image: NDArray[np.uint8]) -> bool:

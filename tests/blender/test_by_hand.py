@@ -272,3 +272,19 @@ def test_a_picture_that_was_painted_on_stays(bake, face, appearance, how):
     assert node.image == mine
     bake(appearance=appearance, is_reset=True)
     assert (node.image == mine) == (how == "exchanged")  # nothing says whose node it is
+
+
+@pytest.mark.parametrize("use_few_keys", [False, True])
+def test_drivers_that_set_muscles_are_told(extension, bake, face, other, use_few_keys):
+    num_curves = bake(other).num_curves
+    keys = face.data.shape_keys
+    driver = keys.key_blocks[SCULPTED].driver_add("value").driver
+    driver.expression = "0.25"
+    summary = bake(other, tolerance=0.01 if use_few_keys else 0.0)
+    assert summary.remark == f"drivers of {face.name} set {SCULPTED}"
+    assert summary.num_curves == num_curves - 1
+    path = keys.key_blocks[SCULPTED].path_from_id("value")
+    assert path not in {curve.data_path for curve in extension("compat").curves(keys).fcurves}
+    keys.key_blocks[SCULPTED].driver_remove("value")
+    summary = bake(other)
+    assert (summary.remark, summary.num_curves) == ("", num_curves)

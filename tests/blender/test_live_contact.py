@@ -272,6 +272,16 @@ def test_with_a_window_a_face_is_made_known_in_the_background(
     assert depth(contact, evaluated(added)) < 0.05 * MILLIMETRE
 
 
+def test_an_object_that_took_a_faces_name_is_left_alone(extension, scene, added):
+    put(added, PRESSED)
+    bpy.context.view_layer.update()
+    name = added.name
+    assert name in extension("contact")._states
+    added.name = "Hero"
+    scene.collection.objects.link(bpy.data.objects.new(name, None))
+    assert extension("contact")._poll() is None
+
+
 def test_a_rendered_animation_shows_each_frame_as_it_stands(scene, added, tmp_path):
     blocks = added.data.shape_keys.key_blocks
     for frame, value in ((1, 0.0), (3, 1.0)):

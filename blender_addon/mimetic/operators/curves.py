@@ -56,8 +56,15 @@ class OnCurves(Greyed):
             return outcome.cancelled(self, context, str(error))
         scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)  # plays them
         editors.redraw()
+        names = [*scene_out.face_curves.sampled(face, choice), *self.sampled_too(face, chosen)]
+        if names:
+            message += f"; {scene_out.face_curves.sampled_text(list(dict.fromkeys(names)))}"
         facts = {"object": face.name, "num_curves": len(chosen), **facts}
         return outcome.finished(self, context, message, **facts)
+
+    def sampled_too(self, face, chosen) -> list[str]:
+        """What else would be edited, but has samples instead of keys."""
+        return []
 
 
 def _count(chosen) -> str:
@@ -252,6 +259,9 @@ class MIMETIC_OT_mirror_curves(OnCurves, Operator):
         count = scene_out.curve_edits.mirror(chosen, curves, self.how, self.share)
         return rpt_("{count} curves mirrored").format(count=count), {"num_curves": count}
 
+    def sampled_too(self, face, chosen):
+        return scene_out.curve_edits.sampled_twins(chosen, scene_out.face_curves.of(face))
+
 
 class MIMETIC_OT_retime_curves(OnCurves, Operator):
     """Play the face slower, faster or later, the head with it; with selected keys, between the
@@ -283,8 +293,7 @@ class MIMETIC_OT_retime_curves(OnCurves, Operator):
     def edit(self, context, face, chosen):
         edits = scene_out.curve_edits
         first, last = edits.span(chosen)
-        with_head = self.use_head and not self.group and self.side == "BOTH"
-        curves = edits.curves_to_retime(face, chosen, with_head)
+        curves = edits.curves_to_retime(face, chosen, self._with_head)
         edits.retime(curves, first, last, self.factor, self.frames_later)
         self._take_along(context.scene, face, curves, first, last)
         ends = edits.ends(curves)
@@ -292,6 +301,15 @@ class MIMETIC_OT_retime_curves(OnCurves, Operator):
             num_curves=len(curves), first=ends[0], last=ends[1]
         )
         return message, {"num_curves": len(curves), "scene_frames": list(ends)}
+
+    @property
+    def _with_head(self) -> bool:
+        return self.use_head and not self.group and self.side == "BOTH"
+
+    def sampled_too(self, face, chosen):
+        curves = scene_out.face_curves.head_curves(face) if self._with_head else []
+        is_left = any(map(scene_out.face_curves.has_samples, curves))
+        return [rpt_("the head")] if is_left else []
 
     def _take_along(self, scene, face, curves, first: float, last: float) -> None:
         """Lost ranges and error bars of the take that plays, where the whole face is retimed."""

@@ -42,6 +42,7 @@ from . import (
     materials,
     movers,
     over_footage,
+    own_keys,
     part_keys,
     rigs,
     sliders,
@@ -94,7 +95,7 @@ class BakeSummary:
     last: float
     num_curves: int
     kept: str = ""  # what was changed by hand and stays, a line for the user
-    remark: str = ""  # why the face does not stay before its footage, another
+    remark: str = ""  # what drivers set, and why the face does not stay before its footage
 
 
 def bake(
@@ -154,7 +155,8 @@ def bake(
     num_curves = key_face(obj, performance, take, frames, motion, shapes, tolerance, by_phases)
     _show_camera(scene, performance, world_from_camera, footage, timing, take)
     first, last = float(frames[0]), float(frames[-1])
-    return BakeSummary(first, last, num_curves, hand_changes.text(), _remark(scene, obj))
+    remark = _remark(scene, obj, [] if use_controls else shapes)
+    return BakeSummary(first, last, num_curves, hand_changes.text(), remark)
 
 
 def _world_from_camera(scene: bpy.types.Scene):
@@ -168,7 +170,12 @@ def _motion(performance, obj: bpy.types.Object | None, world_from_camera):
     return head.placed(performance, space, world_from_camera)
 
 
-def _remark(scene: bpy.types.Scene, obj: bpy.types.Object) -> str:
+def _remark(scene: bpy.types.Scene, obj: bpy.types.Object, shapes) -> str:
+    remarks = own_keys.driven_remark(obj, _driven_keys(obj, shapes)), _mover_remark(scene, obj)
+    return "; ".join(filter(None, remarks))
+
+
+def _mover_remark(scene: bpy.types.Scene, obj: bpy.types.Object) -> str:
     mover = control_object.head_mover(obj)
     if not mover or movers.animated_mover(scene.mimetic.camera) == mover:  # they go together
         return ""
@@ -189,9 +196,17 @@ def _shapes(performance, with_units: bool, as_arkit: bool) -> list:
 def _key_face(
     obj: bpy.types.Object, performance, take: str, frames, motion, shapes, *keys_like
 ) -> int:
-    names = face.key_names(obj)
-    num_curves = actions.key_shapes(obj, take, frames, shapes, names, *keys_like)
+    names, driven = face.key_names(obj), _driven_keys(obj, shapes)
+    played = [shape for shape in shapes if names[shape.name] not in driven]
+    num_curves = actions.key_shapes(obj, take, frames, played, names, *keys_like)
     return num_curves + actions.key_motion(obj, take, frames, motion)
+
+
+def _driven_keys(obj: bpy.types.Object, shapes) -> list[str]:
+    """The shapes' keys that drivers set: a curve on them would do nothing."""
+    names, driven = face.key_names(obj), own_keys.driven_keys(obj.data.shape_keys)
+    moving = (names[shape.name] for shape in shapes if len(shape.values))
+    return [name for name in moving if name in driven]
 
 
 def _show_camera(scene, performance, world_from_camera, footage, timing, take: str) -> None:

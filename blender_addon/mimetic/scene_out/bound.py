@@ -185,12 +185,9 @@ def no_play(head, shapes: Sequence, sliders: Mapping, driven_keys: set[str]) -> 
         notes.append(
             iface_("{head} has no slider {names}").format(head=head.name, names=", ".join(missing))
         )
-    if driven_names := [key.name for key in sliders.values() if key.name in driven_keys]:
-        notes.append(
-            iface_("drivers of {head} set {names}").format(
-                head=head.name, names=", ".join(driven_names)
-            )
-        )
+    driven_names = [key.name for key in sliders.values() if key.name in driven_keys]
+    if remark := own_keys.driven_remark(head, driven_names):
+        notes.append(remark)
     pairs = [(sliders[shape.name], shape) for shape in shapes if shape.name in sliders]
     if cut := [key.name for key, shape in pairs if _is_cut(key, shape.values)]:
         notes.append(

@@ -8,7 +8,7 @@ import os
 import bpy
 from mathutils import Matrix
 
-from .. import compat, editors, native
+from .. import compat, editors, native, scene_in
 from . import actions, clip, cover, opened_view
 
 NAME = "Footage Camera"
@@ -19,7 +19,7 @@ NEAREST = 0.01  # metres: a face may fill the picture
 def ensure(scene, lens, world_from_camera) -> bpy.types.Object:
     """The scene's camera object with a `mimetic.placement.Lens`; made active."""
     seen_through = scene.mimetic.camera
-    if seen_through is None or seen_through.name not in scene.objects:
+    if not scene_in.holds(scene, seen_through):
         seen_through = bpy.data.objects.new(NAME, bpy.data.cameras.new(NAME))
         scene.collection.objects.link(seen_through)
         seen_through.matrix_world = Matrix(world_from_camera)

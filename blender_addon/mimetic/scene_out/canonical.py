@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 
+from .. import scene_in
 from . import face, materials
 
 
@@ -31,7 +32,7 @@ def select_only(view_layer: bpy.types.ViewLayer, target: bpy.types.Object) -> bo
     Not one in an excluded collection, where nothing is selected; returns whether it could.
     """
     view_layer.update()  # what was linked just now is not among its objects yet
-    if target.name not in view_layer.objects:
+    if not scene_in.holds(view_layer, target):
         return False
     for obj in view_layer.objects:
         obj.select_set(obj == target)

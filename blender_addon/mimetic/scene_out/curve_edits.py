@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import native
 from . import actions, key_table
-from .face_curves import Chosen, FaceCurve, head_curves
+from .face_curves import Chosen, FaceCurve, has_keys, has_samples, head_curves
 from .key_table import KeyTable
 
 
@@ -40,7 +40,9 @@ def exaggerate(chosen: Sequence[Chosen], factor: float, at: float | None, has_li
     native.curve_keys().check_factor(factor)
 
     def larger(row: FaceCurve) -> tuple[float, float]:
-        centre = 0.0 if at is None else row.curve.evaluate(at)
+        if at is None:
+            return factor, 0.0
+        (centre,) = key_table.values_at(row.curve, [at], key_table.IN_TIME)
         return factor, centre * (1 - factor)
 
     return _affine(chosen, larger, has_limits)
@@ -52,8 +54,16 @@ def shift(chosen: Sequence[Chosen], amount: float, has_limits: bool) -> int:
 
 
 def set_neutral(chosen: Sequence[Chosen], at: float, has_limits: bool) -> int:
-    """Values less what each curve is at a scene frame; returns as `exaggerate`."""
-    return _affine(chosen, lambda row: (1.0, -row.curve.evaluate(at)), has_limits)
+    """Values less what each curve plays at a scene frame; returns as `exaggerate`."""
+
+    def resting(row: FaceCurve) -> tuple[float, float]:
+        (keys,) = key_table.values_at(row.curve, [at], key_table.IN_TIME)
+        under_modifiers = keys - row.curve.evaluate(at)  # where these bring the curve to rest
+        if has_limits:  # or those that it is beyond would move it again each time
+            under_modifiers = np.clip(under_modifiers, *row.limits)
+        return 1.0, under_modifiers - keys
+
+    return _affine(chosen, resting, has_limits)
 
 
 def _affine(
@@ -104,7 +114,9 @@ def ends(curves: Sequence[bpy.types.FCurve]) -> tuple[float, float]:
 def curves_to_retime(
     face: bpy.types.Object, chosen: Sequence[Chosen], with_head: bool
 ) -> list[bpy.types.FCurve]:
-    head = [curve for curve in head_curves(face) if not curve.lock] if with_head else []
+    """The chosen ones, and the head's that are not locked and have keys."""
+    head = head_curves(face) if with_head else []
+    head = [curve for curve in head if not curve.lock and has_keys(curve)]
     return [*(one.of.curve for one in chosen), *head]
 
 
@@ -114,7 +126,8 @@ def mirror(chosen: Sequence[Chosen], curves: Sequence[FaceCurve], how: str, shar
 
     curves: all of the face. how: SWAP, each side the other's; LEFT, the left's on both; RIGHT;
     BOTH, the mean of the two. What lies in the middle is turned by SWAP, half by BOTH. What turns
-    the eyes, which look one way together, is changed by SWAP alone.
+    the eyes, which look one way together, is changed by SWAP alone. Where a side has no keys both
+    are left alone.
     """
     twin_of, share_of = native.curve_keys().twin_of, native.curve_settings().mirrored_share
     by_shape = {row.shape: row for row in curves}
@@ -126,6 +139,8 @@ def mirror(chosen: Sequence[Chosen], curves: Sequence[FaceCurve], how: str, shar
         row, twin = by_shape[name], by_shape.get(twin_name)
         if twin is None or row.curve.lock:
             continue
+        if not (has_keys(row.curve) and has_keys(twin.curve)):
+            continue
         weight = share * share_of(name, how.lower())
         if weight:
             factor = sign * row.unit / twin.unit
@@ -133,6 +148,12 @@ def mirror(chosen: Sequence[Chosen], curves: Sequence[FaceCurve], how: str, shar
     for row, table in changes:  # only now: all were read before any was written
         key_table.write(row.curve, table)
     return len(changes)
+
+
+def sampled_twins(chosen: Sequence[Chosen], curves: Sequence[FaceCurve]) -> list[str]:
+    """Shapes that `mirror` leaves alone, with the chosen ones, as they have samples."""
+    twins = {native.curve_keys().twin_of(one.of.shape)[0] for one in chosen}
+    return [row.shape for row in curves if row.shape in twins and has_samples(row.curve)]
 
 
 def _mixed(row: FaceCurve, twin: FaceCurve, share: float, factor: float) -> KeyTable:

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import bpy
+import numpy as np
 
 from .. import compat, native
-from . import actions, by_hand, expressions
+from . import actions, by_hand, expressions, strip_values
 
 TRACK = "Expressions"
 REST = "At Rest"
@@ -68,20 +70,18 @@ def strips_of(obj: bpy.types.Object) -> list[bpy.types.NlaStrip]:
 def compose(obj: bpy.types.Object, name: str, rate: float) -> Sequenced:
     """A new expression of all that the strips play together, on a track above; theirs are muted.
 
-    Where strips move the same muscle the one nearer to its peak prevails, and nothing adds up, as
-    `mimetic library compose` does it.
+    Strips play as in Blender, however they are cut, repeated, turned or faded. Where several move
+    the same muscle the one nearer to its peak prevails, and nothing adds up, as `mimetic library
+    compose` does it. Raises InvalidInput.
     """
     strips = strips_of(obj)
-    first = strips[0].frame_start
-    composing, pairs = native.library("composing"), []
-    for strip in strips:
-        document = expressions.own_channels(obj, expressions.document_of(strip.action))
-        onset = (strip.frame_start - first) / rate + document.onset_seconds * strip.scale * (
-            float(strip.action[expressions.RATE]) / rate
-        )
-        seconds = (strip.frame_end - strip.frame_start) / rate
-        placing = composing.Placing(strip.name, onset, _strength(strip), seconds)
-        pairs.append((placing, document))
+    first = math.floor(strips[0].frame_start)
+    last = math.ceil(max(strip.frame_end for strip in strips))
+    frames, composing = np.arange(first, last + 1), native.library("composing")
+    pairs = [
+        (composing.Placing(strip.action.name), _document_of(obj, strip, frames, rate))
+        for strip in strips
+    ]
     names = list(dict.fromkeys(name for _, one in pairs for name in one.channels))
     values, stds = composing.play(pairs, names, rate)
     document = native.library("expression").Expression(names, values, stds, rate)
@@ -90,6 +90,15 @@ def compose(obj: bpy.types.Object, name: str, rate: float) -> Sequenced:
         if any(strip in strips for strip in track.strips):
             track.mute = True
     return sequence(obj, action, first, rate)
+
+
+def _document_of(obj: bpy.types.Object, strip: bpy.types.NlaStrip, frames: np.ndarray, rate: float):
+    """What a strip plays at N scene frames, at rest where it does not."""
+    curves = compat.curves_in(strip.action)
+    values = strip_values.of(strip, curves, frames)
+    channels = [expressions.name_in(curve.data_path) for curve in curves]
+    document = native.library("expression").Expression
+    return expressions.own_channels(obj, document(channels, values, np.zeros_like(values), rate))
 
 
 def _action_for(
@@ -109,12 +118,6 @@ def _action_for(
         return action, missing
     title = f"{action.name} on {obj.name}"
     return expressions.new_action(title, document, rate, names), missing
-
-
-def _strength(strip: bpy.types.NlaStrip) -> float:
-    """The strip's influence in its middle."""
-    curve = strip.fcurves.find("influence") if strip.use_animated_influence else None
-    return 1.0 if curve is None else curve.evaluate(0.5 * (strip.frame_start + strip.frame_end))
 
 
 def _length(action: bpy.types.Action) -> float:

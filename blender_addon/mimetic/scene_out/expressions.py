@@ -81,7 +81,7 @@ def description(expression) -> str:
 def document_of(action: bpy.types.Action):
     """The action as the package's document, which knows how to mirror, save and compose."""
     curves = compat.curves_in(action)
-    channels = [_name_in(curve.data_path) for curve in curves]
+    channels = [name_in(curve.data_path) for curve in curves]
     rate = float(action[RATE])
     last = max((curve.range()[1] for curve in curves), default=0.0)
     num_rows = 1 if action[KIND] == STILL else max(2, round(last) + 1)
@@ -97,7 +97,7 @@ def document_of(action: bpy.types.Action):
 def peak_values(action: bpy.types.Action, is_mirrored: bool = False) -> dict[str, float]:
     """Values by muscle or articulator at the expression's peak."""
     curves = compat.curves_in(action)
-    values = {_name_in(curve.data_path): curve.evaluate(action[PEAK]) for curve in curves}
+    values = {name_in(curve.data_path): curve.evaluate(action[PEAK]) for curve in curves}
     return native.library("expression").mirrored_values(values) if is_mirrored else values
 
 
@@ -290,6 +290,6 @@ def _path(name: str) -> str:
     return f'key_blocks["{bpy.utils.escape_identifier(name)}"].value'
 
 
-def _name_in(path: str) -> str:
+def name_in(path: str) -> str:
     """The key's name in a curve's path."""
     return bpy.utils.unescape_identifier(path.partition('["')[2].rpartition('"]')[0])

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
-from .. import mesh_frame, native, writable
+from .. import mesh_frame, native, scene_in, writable
 from . import actions, by_hand, contact, gaze, renamed_keys
 from .by_hand import HandChanges, KeyState
 
@@ -44,8 +44,7 @@ def ensure(
 def find(scene, performance) -> bpy.types.Object | None:
     """The face that a performance goes on: of its footage, and of its topology."""
     face = _face_of(scene, performance.footage[1] if performance.footage else "")
-    is_there = face is not None and face.name in scene.objects
-    return face if is_there and _has_faces(face, performance.faces) else None
+    return face if scene_in.holds(scene, face) and _has_faces(face, performance.faces) else None
 
 
 def _face_of(scene, mark: str) -> bpy.types.Object | None:

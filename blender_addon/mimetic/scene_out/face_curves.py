@@ -4,7 +4,7 @@ is meant for."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import bpy
@@ -99,8 +99,18 @@ def head_curves(face: bpy.types.Object) -> list[bpy.types.FCurve]:
     ]
 
 
+def has_keys(curve: bpy.types.FCurve) -> bool:
+    """Whether there is something to edit: samples (Keys to Samples) are none."""
+    return len(curve.keyframe_points) > 0
+
+
+def has_samples(curve: bpy.types.FCurve) -> bool:
+    return len(curve.sampled_points) > 0 and not has_keys(curve)
+
+
 def choose(face: bpy.types.Object, choice: Choice) -> list[Chosen]:
-    """The curves that are meant; raises InvalidInput where there are none. Locked ones are not."""
+    """The curves that are meant; raises InvalidInput where there are none. Locked ones are not, nor
+    those without keys."""
     curves = of(face)
     groups = list(dict.fromkeys(row.group for row in curves if not row.is_rest))
     if choice.group and choice.group not in groups:
@@ -109,17 +119,11 @@ def choose(face: bpy.types.Object, choice: Choice) -> list[Chosen]:
                 face=face.name, group=choice.group, groups=", ".join(groups)
             )
         )
-    side = {"LEFT": ".L", "RIGHT": ".R"}.get(choice.side, "")
-    chosen = []
-    for row in curves:
-        is_of_group = row.group == choice.group if choice.group else not row.is_rest
-        is_meant_too = row.is_rest and choice.with_rest and not choice.group
-        if not (is_of_group or is_meant_too) or (side and row.side != side) or row.curve.lock:
-            continue
-        flags = _flags(row.curve, choice.on)
-        if flags.any():
-            chosen.append(Chosen(row, flags))
+    pairs = [(row, _flags(row.curve, choice.on)) for row in _meant(curves, choice)]
+    chosen = [Chosen(row, flags) for row, flags in pairs if flags.any()]
     if not chosen:
+        if names := sampled(face, choice):
+            raise native.invalid_input(sampled_text(names))
         text = {
             "CURVES": rpt_("{face}: no curve{where} is selected (Graph Editor) that is not locked"),
             "KEYS": rpt_("{face}: no key{where} is selected (Graph Editor) that is not locked"),
@@ -127,6 +131,30 @@ def choose(face: bpy.types.Object, choice: Choice) -> list[Chosen]:
         where = rpt_(" of {group}").format(group=choice.group) if choice.group else ""
         raise native.invalid_input(text.format(face=face.name, where=where))
     return chosen
+
+
+def sampled(face: bpy.types.Object, choice: Choice) -> list[str]:
+    """Shapes whose curves are meant, but have samples instead of keys."""
+    if choice.on == "KEYS":
+        return []
+    rows = [row for row in _meant(of(face), choice) if has_samples(row.curve)]
+    return [row.shape for row in rows if choice.on == "ALL" or row.curve.select]
+
+
+def sampled_text(names: list[str]) -> str:
+    """Why curves of these shapes are left alone."""
+    text = rpt_("{names}: samples instead of keys (Graph Editor, Channel > Samples to Keys)")
+    return text.format(names=by_hand.told(names))
+
+
+def _meant(curves: list[FaceCurve], choice: Choice) -> Iterator[FaceCurve]:
+    """Those of the group and the side that are not locked."""
+    side = {"LEFT": ".L", "RIGHT": ".R"}.get(choice.side, "")
+    for row in curves:
+        is_of_group = row.group == choice.group if choice.group else not row.is_rest
+        is_meant_too = row.is_rest and choice.with_rest and not choice.group
+        if (is_of_group or is_meant_too) and side in ("", row.side) and not row.curve.lock:
+            yield row
 
 
 def _flags(curve: bpy.types.FCurve, on: str) -> np.ndarray:

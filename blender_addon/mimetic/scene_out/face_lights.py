@@ -13,6 +13,8 @@ import math
 import bpy
 from mathutils import Vector
 
+from .. import scene_in
+
 NAME = "Face Light"
 AIM = Vector((0.0, -0.06, 0.0))  # the face, in its own frame, metres
 AWAY = 0.8  # metres
@@ -47,5 +49,5 @@ def ensure(face: bpy.types.Object) -> None:
     layer = bpy.context.view_layer
     layer.update()  # what was linked just now is not among its objects yet
     for lamp in lamps:
-        if lamp.name in layer.objects:
+        if scene_in.holds(layer, lamp):
             lamp.hide_set(True)

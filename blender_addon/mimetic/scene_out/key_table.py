@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import bpy
@@ -16,6 +18,7 @@ KINDS = ("interpolation", "easing", "handle_left_type", "handle_right_type", "ty
 SELECTED = ("select_control_point", "select_left_handle", "select_right_handle")
 MARK_DIGITS = 4  # of handles, which Blender may compute again
 SHAPES = ("amplitude", "period", "back")  # of easing
+IN_TIME = ("CYCLES", "STEPPED")  # modifiers that choose which of the keys' frames is played
 DTYPES = (
     dict.fromkeys(KINDS, np.int32)
     | dict.fromkeys(SELECTED, np.bool_)
@@ -102,6 +105,23 @@ def as_cubics(like: KeyTable, keys, handle: int, interpolation: int) -> KeyTable
     return KeyTable(keys, columns)
 
 
-def values_at(curve: bpy.types.FCurve, frames) -> np.ndarray:
-    """What the curve is at N frames, as Blender plays it."""
-    return np.array([curve.evaluate(frame) for frame in frames], dtype=np.float64)
+def values_at(curve: bpy.types.FCurve, frames, kept: Collection[str] = ()) -> np.ndarray:
+    """What the curve's keys come to at N frames: without its modifiers, but for the `kept` kinds.
+
+    Keys are written from these values, and modifiers play over keys: in both they would count
+    twice.
+    """
+    with _without_modifiers(curve, kept):
+        return np.array([curve.evaluate(frame) for frame in frames], dtype=np.float64)
+
+
+@contextmanager
+def _without_modifiers(curve: bpy.types.FCurve, kept: Collection[str]) -> Iterator[None]:
+    muted = [one for one in curve.modifiers if not one.mute and one.type not in kept]
+    try:
+        for modifier in muted:
+            modifier.mute = True
+        yield
+    finally:
+        for modifier in muted:
+            modifier.mute = False

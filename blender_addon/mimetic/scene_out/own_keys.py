@@ -4,6 +4,8 @@ what else it is made of."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
@@ -57,6 +59,13 @@ def driven_keys(keys: bpy.types.Key) -> set[str]:
     """Names of the shape keys that drivers set: they take no curve."""
     paths = actions.driver_paths(keys)
     return {key.name for key in keys.key_blocks if key.path_from_id("value") in paths}
+
+
+def driven_remark(head: bpy.types.Object, names: Sequence[str]) -> str:
+    """What to say of shape keys that a bake leaves to drivers; nothing of none."""
+    if not names:
+        return ""
+    return iface_("drivers of {head} set {names}").format(head=head.name, names=", ".join(names))
 
 
 def no_own_keys(head: bpy.types.Object | None) -> str:

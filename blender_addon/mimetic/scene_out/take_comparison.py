@@ -7,7 +7,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from mathutils import Vector
 
-from .. import native, world
+from .. import native, scene_in, world
 from . import bound, control_object, framed, part_keys, renamed_keys, take_list
 
 BESIDE = 0.25  # metres
@@ -45,7 +45,7 @@ def stand_beside(scene: bpy.types.Scene, face: bpy.types.Object, row) -> bpy.typ
     collections = editable or [scene.collection]  # linked ones and overrides take no objects
     for new in {twin, mover, twin.mimetic.control_object, *parts} - {None}:
         for collection in collections:
-            if new.name not in collection.objects:
+            if not scene_in.holds(collection, new):
                 collection.objects.link(new)
     aside = BESIDE * bound.units_of(scene, face) * _right(scene)
     for new in (mover, *(part for part in parts if part.parent not in (twin, *parts))):
@@ -122,4 +122,4 @@ def _right(scene: bpy.types.Scene) -> Vector:
 def _camera(scene: bpy.types.Scene) -> bpy.types.Object | None:
     """The clip's, where the scene has it."""
     camera = scene.mimetic.camera
-    return camera if camera is not None and camera.name in scene.objects else None
+    return camera if scene_in.holds(scene, camera) else None

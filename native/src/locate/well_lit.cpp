@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "locate/clear_view.hpp"
 #include "shared/as_matrix.hpp"
 
 namespace mimetic {
@@ -25,7 +26,9 @@ constexpr double kReach = 0.75;   // of a crop's side: its corners, however it i
 constexpr double kBright = 0.8;   // quantile of the light on a face that is taken for full light
 // Light on a face, of white, below which raising begins and is full, and what it is raised to
 constexpr double kDim = 0.14, kTooDim = 0.08, kWell = 0.35;
-constexpr double kBrightOfAll = 0.9;     // of the light in a whole picture
+constexpr double kBrightOfAll = 0.9;  // of the light in a whole picture
+// From its middle, in sides of a crop, what is looked at of a face
+constexpr double kAside = .22, kTop = -.125, kBottom = .25;
 constexpr double kFaceOfPicture = 0.73;  // side of a crop that looks for faces, in the picture's shorter side
 
 /// The logarithm of a light, of white, as `Light` has it.
@@ -124,13 +127,13 @@ struct Halves {
 /// corner: pixels, of the part of the picture whose light it is
 Halves halves_of(const Light& light, const FeatureCrop& crop, const cv::Point& corner) {
     constexpr int kAcross = 12, kDown = 24;
-    constexpr double kFirst = .05, kLast = .22, kTop = -.125, kBottom = .25;  // in sides of the crop
+    constexpr double kFirst = .05;  // in sides of the crop
     const Eigen::Vector2d across(std::cos(crop.roll), std::sin(crop.roll)), down(-across.y(), across.x());
     Halves halves;
     for (int row = 0; row < kDown; ++row) {
         const double y = kTop + (kBottom - kTop) * row / (kDown - 1);
         for (int column = 0; column < kAcross; ++column) {
-            const double x = kFirst + (kLast - kFirst) * column / (kAcross - 1);
+            const double x = kFirst + (kAside - kFirst) * column / (kAcross - 1);
             for (const double side : {-1., 1.}) {
                 const Eigen::Vector2d place = crop.center + crop.side * (side * x * across + y * down);
                 if (const auto lit = light.at(place - Eigen::Vector2d(corner.x, corner.y))) {
@@ -142,22 +145,12 @@ Halves halves_of(const Light& light, const FeatureCrop& crop, const cv::Point& c
     return halves;
 }
 
-/// The light about a face, and on it.
-struct LitFace {
-    cv::Rect part;  // of the picture
-    Light light;    // in it
-    Halves halves;
-};
-
-/// None where the picture shows too little of the face.
-std::optional<LitFace> light_on(ColorView image, const FeatureCrop& face) {
-    check_image_size(image.rows, image.cols, "image");
-    const cv::Rect part = part_about(image, face);
-    if (part.empty()) return {};
-    Light light(as_matrix(image)(part), kRadius * face.side);
-    Halves halves = halves_of(light, face, part.tl());
-    if (!halves.are_seen()) return {};
-    return LitFace{part, std::move(light), std::move(halves)};
+/// From the forehead to the mouth of a face, in the part of the picture that begins at a corner.
+cv::Rect middle_of(const FeatureCrop& crop, const cv::Rect& part) {
+    const Eigen::Vector2d first = crop.center + crop.side * Eigen::Vector2d(-kAside, kTop);
+    const Eigen::Vector2d size = crop.side * Eigen::Vector2d(2 * kAside, kBottom - kTop);
+    return cv::Rect(cv::Rect2d(first.x() - part.x, first.y() - part.y, size.x(), size.y())) &
+           cv::Rect({}, part.size());
 }
 
 /// Raises what has less light than `bright`, and all by `brighter`, in place; logarithms. share: of what is
@@ -192,17 +185,24 @@ FeatureCrop crop_about(const FaceFeatures& face) {
 }
 
 std::optional<ColorImage> well_lit(ColorView image, const FeatureCrop& face) {
-    const std::optional<LitFace> lit = light_on(image, face);
-    if (!lit) return {};
-    const double bright = lit->halves.bright();
-    const double uneven = (lit->halves.log_ratio() - std::log(kEven)) / std::log(kUneven / kEven);
+    check_image_size(image.rows, image.cols, "image");
+    const cv::Rect part = part_about(image, face);
+    if (part.empty()) return {};
+    const cv::Mat as_filmed = as_matrix(image)(part);
+    const cv::Mat cleared = locate::clear_view(as_filmed, middle_of(face, part));
+    const Light light(cleared, kRadius * face.side);
+    const Halves halves = halves_of(light, face, part.tl());
+    if (!halves.are_seen()) return {};
+    const double bright = halves.bright();
+    const double uneven = (halves.log_ratio() - std::log(kEven)) / std::log(kUneven / kEven);
     const double dim = (log_of(kDim) - bright) / (log_of(kDim) - log_of(kTooDim));
-    if (std::max(uneven, dim) <= 0) return {};
+    if (std::max(uneven, dim) <= 0 && cleared.data == as_filmed.data) return {};
     const double brighter = std::clamp(dim, 0., 1.) * std::max(0., log_of(kWell) - bright);
     ColorImage raised = copy_of(image);
     cv::Mat whole(raised.rows, raised.cols, CV_8UC3, raised.pixels.data());
-    cv::Mat about = whole(lit->part);
-    raise(lit->light, bright, std::clamp(uneven, 0., 1.), brighter, about);
+    cv::Mat about = whole(part);
+    cleared.copyTo(about);
+    raise(light, bright, std::clamp(uneven, 0., 1.), brighter, about);
     return raised;
 }
 
@@ -210,6 +210,8 @@ ColorImage with_raised_shadows(ColorView image) {
     check_image_size(image.rows, image.cols, "image");
     ColorImage raised = copy_of(image);
     cv::Mat whole(raised.rows, raised.cols, CV_8UC3, raised.pixels.data());
+    const cv::Mat cleared = locate::clear_view(whole, cv::Rect({}, whole.size()));
+    if (cleared.data != whole.data) cleared.copyTo(whole);
     const Light light(whole, kRadius * kFaceOfPicture * std::min(image.rows, image.cols));
     const std::vector<float> all(light.coarse().begin(), light.coarse().end());
     const double bright = quantile(all, kBrightOfAll);

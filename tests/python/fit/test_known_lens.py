@@ -9,6 +9,9 @@ from mimetic.fit.known_lens import KnownLens, camera_with, is_fitted_with
 from mimetic.solve import clip_capture
 from mimetic.template.face_template import load_template
 
+from evaluation.synthetic.footage import encode
+from evaluation.synthetic.recipes import TEST
+
 SIZE = (480, 400)
 LONG = KnownLens(75.0, 36.0)  # 1000 pixels of such a picture
 AWAY = 1.0  # metres
@@ -28,6 +31,26 @@ def test_a_head_is_as_far_away_as_its_lens_says():
     unknown = find_face(image, template=template)
     assert known.head_pose[2, 3] == pytest.approx(AWAY, rel=0.03)
     assert unknown.head_pose[2, 3] < 0.65 * AWAY  # as near as 1.2 picture widths make it
+
+
+def test_a_face_that_fills_its_picture_was_filmed_with_a_longer_lens():
+    template = load_template()
+    part = np.ascontiguousarray(drawn_from_afar(template)[133:241, 198:302])
+    size = (part.shape[1], part.shape[0])
+    with pytest.raises(NoFace, match="does not fit a head"):
+        find_face(part, camera=camera_with(None, size), template=template)
+    fit = find_face(part, template=template)
+    assert fit.intrinsics[0, 0] == pytest.approx(3 * size[0])
+    assert is_fitted_with(None, fit) and not is_fitted_with(LONG, fit)
+
+
+@pytest.mark.parametrize("frame", [None, 3])
+def test_so_was_a_clip_of_such_faces(tmp_path, frame):
+    part = drawn_from_afar(load_template())[133:241, 198:302]
+    path = tmp_path / "part.mp4"
+    encode(np.stack([part] * 6), path, TEST)
+    fit = clip_capture.find_face(path, frame=frame)
+    assert fit.intrinsics[0, 0] == pytest.approx(3 * part.shape[1])
 
 
 def test_a_clips_face_is_found_and_followed_with_the_lens_that_is_known(

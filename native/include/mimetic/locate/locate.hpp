@@ -61,8 +61,8 @@ public:
 
     /// Every face, the largest first; from several threads at once if need be. A grey image comes as three
     /// equal channels. A badly lit face is measured in a picture in which it is well lit (`well_lit`). Where
-    /// there is none, it is looked for in shadows, and then one that fills the image, whose box may go
-    /// beyond.
+    /// there is none, it is looked for in shadows and fog, and then one that fills the image, whose box may
+    /// go beyond.
     std::vector<FaceFeatures> locate(ColorView image) const;
 
 private:

@@ -17,7 +17,7 @@ from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_model import face_model
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView
-from mimetic.fit.known_lens import camera_with
+from mimetic.fit.known_lens import cameras_to_try
 from mimetic.fit.line_modes import line_modes
 from mimetic.fit.network_evidence import is_seen, with_networks
 from mimetic.fit.relief_shift import picture_shifts
@@ -102,7 +102,8 @@ def find_face(
     """Finds a face and fits pose and proportions of the head to it.
 
     image: (H, W, 3) RGB or (H, W) grey, uint8
-    camera: its focal length is kept; without one, that of no known lens
+    camera: its focal length is kept; without one, that of no known lens, or a longer one if no head
+        fits and the face fills the picture
     choice: which face, the largest first
     near: a place (x, y) in pixels; the face nearest to it is taken, whatever `choice` is
     faces: all that are in the image, where they were found before
@@ -132,14 +133,15 @@ def find_face(
             for i, f in enumerate(faces)
         )
         warnings.append(f"{len(faces)} faces in frame {frame}, face {choice} is used ({boxes})")
-    if camera is None:
-        camera = camera_with(None, (width, height))
-    elif (camera.width, camera.height) != (width, height):
+    if camera is not None and (camera.width, camera.height) != (width, height):
         raise InvalidInput(
             f"the camera is for {camera.width} x {camera.height} pixels, "
             f"the image has {width} x {height}"
         )
-    fit = _fitted(image, frame, faces[choice], camera, template)
+    face = faces[choice]
+    cameras = [camera] if camera else cameras_to_try(None, (width, height), [face])
+    fits = (_fitted(image, frame, face, possible, template) for possible in cameras)
+    fit = next(filter(None, fits), None)
     if fit is None:
         raise NoFace(
             f"what looks like a face in frame {frame} does not fit a head: choose another frame, "

@@ -18,7 +18,7 @@ from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.fitting import NoFace
-from mimetic.fit.known_lens import KnownLens, camera_with
+from mimetic.fit.known_lens import KnownLens, camera_with, cameras_to_try
 from mimetic.fit.line_fit import with_lines
 from mimetic.fit.rest_choice import RestChoice
 from mimetic.fit.upright import check_upright
@@ -85,24 +85,26 @@ def find_rest(
     frames = list(judgements)
     scores, expressions, details = _compared(judgements)
     chances = _core.chances_of_rest(scores, details, expressions)
-    camera = camera_with(lens, footage.size)
+    faces = [face for judged in judgements.values() for face in judged.faces]
+    cameras = cameras_to_try(lens, footage.size, faces)
 
     def fit_head(image: NDArray[np.uint8], frame: int) -> FaceFit | None:
         with contextlib.suppress(NoFace):
             faces = judgements[frame].faces
-            return fitting.find_face(image, frame, camera=camera, near=near, faces=faces)
+            return fitting.find_face(image, frame, camera=cameras[0], near=near, faces=faces)
         return None
 
     order = _core.distinct_first(chances, expressions)
     best_chance = float(chances.max()) or 1.0  # 0 where the finder is sure of no frame
     likely = [(frames[i], chances[i] / best_chance) for i in order]
-    fits = _fitted_heads(footage, likely, fit_head, fitting_heads)
-    if not fits:
-        return None
+    while not (fits := _fitted_heads(footage, likely, fit_head, fitting_heads)):
+        del cameras[0]
+        if not cameras:
+            return None
     # A pose or expression mistaken for shape shows as unusual proportions.
     usual = best = min(fits, key=_unusualness)
     if _turn(best) > FAR_TURNED:
-        best = _more_frontal(footage, best, frames, camera, near, fitting_heads)
+        best = _more_frontal(footage, best, frames, cameras[0], near, fitting_heads)
     best = _explained(best, "usual" if best is usual else "frontal", judgements)
     best, skin = _relaxed(footage, best, fits, judgements, fit_head, following)
     rest = None if best.rest.why == "usual" else frames.index(best.frame)
@@ -211,7 +213,8 @@ def rest_asked_for(
     """
     image = footage.read(frame)
     check_upright(footage, frame, image)
-    fit = fitting.find_face(image, frame, camera=camera_with(lens, footage.size), near=near)
+    camera = camera_with(lens, footage.size) if lens else None
+    fit = fitting.find_face(image, frame, camera=camera, near=near)
     judgements = _judged(footage, {frame, *others}, progress, fit.head_place())
     scores, expressions, _ = _compared(judgements)
     usual = _core.usual_expression(expressions, scores, list(judgements).index(frame))
