@@ -146,7 +146,7 @@ def test_the_command_writes_tables_figures_and_a_page(tmp_path, capsys):
     mouth = next(row for row in rows if row["kind"] == "group" and row["group"] == "1")
     assert float(mouth["onset_frame_lower"]) <= 20 <= float(mouth["onset_frame_upper"])
     assert (out / "groups.svg").read_text().startswith("<?xml")
-    assert "1 of 1 pairs delayed" in capsys.readouterr().out
+    assert "1 of 1 pair delayed" in capsys.readouterr().out
 
 
 def test_the_page_of_a_capture_in_the_same_folder_stays(tmp_path):

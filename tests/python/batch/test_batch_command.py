@@ -12,7 +12,9 @@ from clips import make_clip
 from mimetic.batch import plan
 from mimetic.batch.clip_list import Row
 from mimetic.batch.steps import Settings
+from mimetic.batch.task import run_task
 from mimetic.commands.cli import main
+from stand_in import Commands
 
 
 def test_a_killed_batch_goes_on_where_it_was(resumed):
@@ -78,7 +80,9 @@ def test_a_batch_of_nothing_and_settings_that_cannot_be_are_bad_input(mimetic, t
     ran = mimetic("batch", "--out", tmp_path)
     assert ran.returncode == 2 and "give the clips" in ran.stderr
     no_text = ["--blender-python", os.fsdecode(b"python-\xff")]
-    for words in (["--processes", "0"], ["--frames", "9:2"], ["--few-keys", "7"], no_text):
+    of_no_object = ["--character", str(tmp_path / "rig.blend")]
+    wrong = (["--processes", "0"], ["--frames", "9:2"], ["--few-keys", "7"], of_no_object, no_text)
+    for words in wrong:
         ran = mimetic("batch", tmp_path / "a.mp4", "--out", tmp_path / "out", *words)
         assert ran.returncode == 2 and ran.stderr.count("\n") == 1, ran.stderr
     assert "--blender-python" in ran.stderr and not list((tmp_path / "out").glob("*/*"))
@@ -88,10 +92,24 @@ def test_a_batch_of_nothing_and_settings_that_cannot_be_are_bad_input(mimetic, t
 @pytest.fixture
 def prepared(tmp_path):
     """The folder of a batch of one clip, `a`, in which nothing is done."""
-    clip = make_clip(tmp_path / "a.mp4", size="160x120", frames=4)
+    clip = make_clip(tmp_path / "a.mp4", size="320x240", frames=12)
     (tmp_path / "out").mkdir()
     plan.prepare(tmp_path / "out", [Row(str(clip))], Settings())
     return tmp_path / "out"
+
+
+def test_a_clip_whose_results_are_of_other_settings_is_not_done_yet(prepared, capsys):
+    run_task(prepared / "a", Commands())
+    words = ["batch", "--summary", "--out", str(prepared)]
+    assert main(words) == 0
+    assert "1 clip done; index.html shows it\n" in capsys.readouterr().out
+    assert "<b>1</b><span>clip done</span>" in (prepared / "index.html").read_text()
+    plan.prepare(prepared, [Row(str(prepared.parent / "a.mp4"), focal="50")], Settings())
+    assert main(words) == 1
+    said = capsys.readouterr().out
+    assert "a: not done yet" in said and "0 clips done, 1 not" in said
+    page = (prepared / "index.html").read_text()
+    assert "<p>not done yet</p>" in page and "href='a/report.html'" in page
 
 
 @pytest.mark.parametrize("words", [["--task", "a"], []])

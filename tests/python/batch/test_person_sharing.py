@@ -105,6 +105,42 @@ def test_a_person_in_no_clip_fails_each_of_them_with_the_reason(clips, out, comm
     commands.answers["fit"] = (2, "no face")
     for folder in folders(out, *(Row(str(clip), person="anna") for clip in clips)):
         assert run_task(folder, commands) == (2, "no fit of anna: no face")
+    assert [words[1] for words in commands.words] == list(map(str, clips))  # once
+
+
+def test_a_person_in_no_clip_is_looked_for_again_where_one_changed(clips, out, commands, tmp_path):
+    copies = [shutil.copy(clip, tmp_path) for clip in clips[:2]]
+    (one, _) = folders(out, *(Row(copy, person="anna") for copy in copies))
+    commands.answers["fit"] = (2, "no face")
+    run_task(one, commands)
+    run_task(one, commands)
+    assert commands.names == ["fit", "fit"]
+    del commands.answers["fit"]
+    commands.answers["0.mp4"] = (2, "no face")
+    shutil.copy(clips[2], copies[1])
+    assert run_task(one, commands) == (2, "no face")  # of its capture
+    assert commands.names[2:] == ["fit", "fit", "capture"]
+
+
+def test_a_person_in_no_clip_is_looked_for_again_when_the_batch_is_begun_again(
+    clips, out, commands
+):
+    rows = [Row(str(clip), person="anna") for clip in clips[:2]]
+    commands.answers["fit"] = (2, "no networks")
+    for folder in folders(out, *rows):
+        run_task(folder, commands)
+    del commands.answers["fit"]
+    for folder in folders(out, *rows):
+        assert run_task(folder, commands) == (0, "")
+    assert commands.names == ["fit", "fit", "fit", "capture", "capture"]
+
+
+def test_what_may_not_fail_again_is_looked_for_again(clips, out, commands):
+    (folder,) = folders(out, Row(str(clips[0]), person="anna"))
+    commands.answers["fit"] = (1, "the disk is full")
+    for _ in range(2):
+        assert run_task(folder, commands) == (2, "no fit of anna: the disk is full")
+    assert commands.names == ["fit", "fit"]
 
 
 def test_a_fit_in_the_table_is_the_persons(clips, out, commands, tmp_path):
@@ -172,9 +208,24 @@ def test_another_first_clip_is_another_fit_and_other_captures(clips, out, comman
         run_task(folder, commands)
     assert commands.names == ["fit", "capture", "capture", "capture"]
     for folder in folders(out, *rows[::-1]):
-        assert not Task.load(folder).is_all_done()
+        assert not Task.load(folder).is_all_done() and not Task.load(folder).has_all()
         run_task(folder, commands)
     assert commands.names[4:] == ["fit", "capture", "capture", "capture"]
+
+
+def test_clips_of_a_person_that_are_gone_leave_results_that_are_enough(
+    clips, out, commands, tmp_path
+):
+    rows = [Row(shutil.copy(clip, tmp_path), person="anna") for clip in clips[:2]]
+    one, two = folders(out, *rows)
+    for folder in (one, two):
+        assert not Task.load(folder).has_all()
+        run_task(folder, commands)
+        assert Task.load(folder).has_all()
+    (tmp_path / "0.mp4").unlink()
+    assert Task.load(one).has_all() and Task.load(two).has_all()
+    (out / "people" / "anna" / "fit.json").write_text("another fit")
+    assert Task.load(one).has_all() and not Task.load(two).has_all()  # of which that can be told
 
 
 def test_of_many_who_need_the_fit_one_finds_it(clips, out, commands):

@@ -9,6 +9,7 @@ from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch import plan
 from mimetic.batch.clip_list import Row, rows_of
 from mimetic.batch.page import write_page
+from mimetic.batch.standing import Standing
 from mimetic.batch.steps import Settings
 from mimetic.batch.task import Task
 
@@ -143,7 +144,7 @@ def test_a_folder_that_vanishes_while_the_batch_runs_is_its_clips_failure(rows, 
     shutil.rmtree(batch.tasks[0].folder)
     failures = plan.reload(batch)
     assert list(failures) == ["shot"] and "no such file" in failures["shot"]
-    write_page(batch, failures)
+    write_page(batch, failures, Standing())
     assert "no such file" in (out / "index.html").read_text()
 
 
@@ -156,7 +157,7 @@ def test_a_clip_that_failed_with_its_last_settings_is_failed_on_the_page_too(row
         task.done[step.name] = {"key": "k", "files": {}, "seconds": 1.0}
     task.error = "the face fit is of other footage"
     task.save()
-    write_page(plan.load(out), {})
+    write_page(plan.load(out), {}, Standing())
     assert "other footage" in (out / "index.html").read_text()
 
 
@@ -234,7 +235,10 @@ def test_files_that_are_no_batch_are_refused(rows, out):
         {"written": {"face.blend": 3}},
         {"take": []},
         {"take": {"frames": "x"}},
-        {"notes": [3]},
+        {"kept": ["face.kept.blend"]},
+        {"kept": {"face.kept.blend": 3}},
+        {"kept": None, "notes": [3]},
+        {"kept": None, "notes": ["a note of something else"]},
     ],
 )
 def test_tasks_of_another_make_are_refused_and_prepared_again(rows, out, change):

@@ -22,3 +22,16 @@ def test_a_character_gets_few_keys_too_and_no_detail(tmp_path):
     assert not any("--few-keys" in word for word in dense.words)
     assert len({dense.key(), few.key(), character(Settings(tolerance=0.1)).key()}) == 3
     assert character(Settings(with_detail=True)).key() == dense.key()
+
+
+def test_a_rate_of_pictures_leaves_video_files_alone(tmp_path):
+    for number in range(2):
+        (tmp_path / f"frame_{number}.png").write_bytes(b"picture")
+    (tmp_path / "clip.mp4").write_bytes(b"clip")
+
+    def capture(clip, fps):
+        return steps_of(Row(str(tmp_path / clip), fps=fps), Settings(), tmp_path)[0]
+
+    assert len({capture("clip.mp4", fps).key() for fps in ("", "24", "25")}) == 1
+    assert len({capture("frame_0.png", fps).key() for fps in ("", "24", "25")}) == 3
+    assert "--fps=25" in capture("frame_0.png", "25").words

@@ -13,6 +13,7 @@ import pytest
 from clips import make_clip
 from mimetic.batch import plan
 from mimetic.batch.clip_list import Row
+from mimetic.batch.standing import Standing
 from mimetic.batch.steps import Settings
 from mimetic.batch.task import Task, run_task
 from mimetic.shared.results import staging
@@ -100,6 +101,30 @@ def test_results_that_were_changed_by_hand_are_kept(prepare, commands):
     assert (folder / "face.kept.glb").read_text() == "polished for hours"
     assert "--detail" in (folder / "face.glb").read_text()
     assert "face.kept.glb" in Task.load(folder).notes[0]
+
+
+def test_a_copy_that_is_gone_is_no_longer_told_of_and_another_is_told_of_once(prepare, commands):
+    folder = prepare()
+    run_task(folder, commands)
+    for tolerance in (0.05, 0.1):
+        (folder / "face.glb").write_text("polished for hours")
+        run_task(prepare(Settings(("glb",), tolerance=tolerance)), commands)
+        told = ["face.glb was changed by hand and is kept as face.kept.glb"]
+        assert Task.load(folder).notes == told
+        (folder / "face.kept.glb").unlink()
+        assert Task.load(folder).notes == []
+
+
+def test_notes_that_were_kept_as_texts_are_of_the_same_copies(prepare, commands):
+    folder = prepare()
+    run_task(folder, commands)
+    (folder / "face.glb").write_text("polished for hours")
+    run_task(prepare(Settings(("glb",), with_detail=True)), commands)
+    document = json.loads((folder / "task.json").read_text())
+    assert document.pop("kept") == {"face.kept.glb": "face.glb"}
+    notes = ["face.glb was changed by hand and is kept as face.kept.glb"]
+    (folder / "task.json").write_text(json.dumps(document | {"notes": notes * 2}))
+    assert Task.load(folder).notes == notes
 
 
 def test_why_a_task_failed_is_kept_until_it_is_done(prepare, commands):
@@ -219,6 +244,41 @@ def test_a_task_whose_results_were_removed_is_not_done(prepare, commands):
     assert Task.load(folder).has_all()
     (folder / "performance.npz").unlink()
     assert not Task.load(folder).has_all()
+
+
+def test_results_of_other_settings_or_another_content_are_not_those_that_are_asked(
+    prepare, commands
+):
+    folder = prepare()
+    run_task(folder, commands)
+    for settings, row in ((Settings(("glb",), with_detail=True), {}), (GLB, {"focal": "28"})):
+        prepare(settings, **row)
+        assert not Task.load(folder).has_all()
+    prepare()
+    assert Task.load(folder).has_all()
+    make_clip(prepare.clip, size="320x240", frames=13)
+    assert not Task.load(folder).has_all()
+
+
+def test_results_whose_clip_is_gone_are_enough(prepare, commands):
+    folder = prepare()
+    run_task(folder, commands)
+    prepare.clip.unlink()
+    assert Task.load(folder).has_all() and not Task.load(folder).is_all_done()
+
+
+def test_what_was_done_is_known_until_its_task_changes(prepare, commands):
+    folder = prepare()
+    standing = Standing()
+    assert standing.why_not(Task.load(folder), {}) is None
+    run_task(folder, commands)
+    assert standing.why_not(Task.load(folder), {}) == ""
+    make_clip(prepare.clip, size="320x240", frames=13)
+    assert standing.why_not(Task.load(folder), {}) == ""  # though it would be seen by another
+    assert Standing().why_not(Task.load(folder), {}) is None
+    prepare(GLB, focal="28")
+    assert standing.why_not(Task.load(folder), {}) is None
+    assert standing.why_not(Task.load(folder), {"clip": "no face"}) == "no face"
 
 
 def test_one_step_alone_can_be_run(prepare, commands):

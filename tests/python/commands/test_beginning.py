@@ -14,6 +14,7 @@ def test_a_run_says_at_its_start_what_it_will_do():
     assert text.startswith("clip.mp4: finding the face, following it through 50 frames from 11 on")
     assert "(2.0 s)" in text and "Ctrl-C keeps" in text
     assert "finding" not in beginning(footage, (11, 60), SimpleNamespace(frame=20))
+    assert "following it through 1 frame from 11 on" in beginning(footage, (11, 11), None)
 
 
 def test_a_run_that_begins_far_from_its_reference_frame_says_so():

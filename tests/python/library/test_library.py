@@ -122,6 +122,8 @@ def test_what_moves_most_is_of_the_face():
     channels = ["zygomaticus_major.L", "gaze_yaw.L", "jaw_open"]
     kept = Expression(channels, values, np.zeros(values.shape), 30.0)
     assert "3 muscles and bones, most zygomaticus_major.L;" in describe(kept)
+    alone = Expression(channels[:1], values[:, :1], np.zeros((1, 1)), 30.0)
+    assert "1 muscle or bone, most zygomaticus_major.L;" in describe(alone)
 
 
 def test_the_gaze_is_kept_whole_or_not_at_all():

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Frames far from the reference frame: what lies between is gone through, and told."""
 
+from types import SimpleNamespace
+
 import pytest
 from mimetic import InvalidInput
 from mimetic.solve import clip_capture
-from mimetic.solve.walk import before_range
+from mimetic.solve.walk import ClipWalk, before_range
 
 
 @pytest.fixture(scope="module")
@@ -58,3 +60,17 @@ def test_a_range_that_ends_before_it_begins_says_so(rendered_clip):
 def test_a_face_beside_the_picture_is_not_looked_for(rendered_clip):
     with pytest.raises(InvalidInput, match=r"at \(400, 100\): the picture has 320 x 240 pixels"):
         clip_capture.find_face(rendered_clip.footage, frame=3, near=(400.0, 100.0))
+
+
+def test_frames_that_are_held_are_noted():
+    walk = SimpleNamespace(
+        footage=SimpleNamespace(warnings=[]),
+        fit=SimpleNamespace(warnings=[]),
+        summary=SimpleNamespace(stopped=False),
+        subject="head",
+        mixed_frames=[],
+        strangers=[],
+    )
+    for quality, told in (([1, 0], "1 frame"), ([0, 1, 0], "2 frames")):
+        rows = SimpleNamespace(quality=quality)
+        assert f"the head was lost in {told} and is held there" in ClipWalk.notes(walk, rows)[0]

@@ -15,6 +15,7 @@ from mimetic import _core
 from mimetic.analyse.estimate import WITHIN, Estimate
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.score.groups import GROUP_NAMES
+from mimetic.shared.counted import counted
 from mimetic.solve.tracking import ACTIVATION_STD, ARTICULATOR_STD, QUICKNESS
 
 SIDES = (".L", ".R")
@@ -134,7 +135,7 @@ def events_of(
 
 def events_text(count: int) -> str:
     """So many events, in words."""
-    return "1 event" if count == 1 else f"{count} events"
+    return counted(count, "event")
 
 
 def _scene_starts(performance: Performance) -> list[float]:

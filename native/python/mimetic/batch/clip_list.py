@@ -188,11 +188,11 @@ def _checked(row: Row) -> Row:
 def _problem_of(row: Row) -> str:
     if not all(map(is_text, astuple(row))):
         return "its name is no text (not UTF-8): rename it"
-    rig, _, name = row.character.rpartition(":")
-    if row.character and not (name and rig.endswith(".blend")):
-        return f"character {row.character}: give it as RIG.blend:OBJECT"
+    rig, _, _ = row.character.rpartition(":")
     files = [(row.fit, "a face fit"), (rig, "the .blend of a rig")]
     try:
+        if row.character:
+            check_character(row.character)
         if is_sequence(row.clip):
             ImageSequence(row.clip, _rate(row.fps))
         else:
@@ -206,6 +206,13 @@ def _problem_of(row: Row) -> str:
     except (InvalidInput, UnreadableMedia) as error:
         return str(error)
     return ""
+
+
+def check_character(character: str) -> None:
+    """Raises InvalidInput for what is not RIG.blend:OBJECT."""
+    rig, _, name = character.rpartition(":")
+    if not (name and rig.endswith(".blend")):
+        raise InvalidInput(f"character {character}: give it as RIG.blend:OBJECT")
 
 
 def is_text(name: str) -> bool:

@@ -10,10 +10,12 @@ from pathlib import Path
 from urllib.parse import quote
 
 from mimetic.batch.plan import PAGE, Batch
+from mimetic.batch.standing import Standing
 from mimetic.batch.take_summary import PICTURE
 from mimetic.batch.task import Task
 from mimetic.performance.document import HELD_QUALITY
 from mimetic.report.html import STYLE
+from mimetic.shared.counted import counted
 from mimetic.shared.shown_text import shown
 from mimetic.shared.whole_file import whole_file
 
@@ -32,18 +34,18 @@ STYLE_OF_CLIPS = """
 """
 
 
-def write_page(batch: Batch, failures: Mapping[str, str]) -> None:
+def write_page(batch: Batch, failures: Mapping[str, str], standing: Standing) -> None:
     """Writes index.html in the batch's folder, whole or not at all; raises OSError.
 
-    failures: by task's name, why it failed; of others that are not done, what task.json says.
+    failures: as for `Standing.why_not`.
     """
     with whole_file(batch.out / PAGE) as stream:
-        for part in _parts(batch, failures):  # with its pictures a page is 20 kB a clip
+        for part in _parts(batch, failures, standing):  # with its pictures a page is 20 kB a clip
             stream.write(part.encode())
 
 
-def _parts(batch: Batch, failures: Mapping[str, str]) -> Iterator[str]:
-    states = [(task, _why(task, failures)) for task in batch.tasks]
+def _parts(batch: Batch, failures: Mapping[str, str], standing: Standing) -> Iterator[str]:
+    states = [(task, standing.why_not(task, failures)) for task in batch.tasks]
     num_done = sum(why == "" for _, why in states)
     num_failed = len(batch.problems) + sum(bool(why) for _, why in states)
     num_waiting = sum(why is None for _, why in states)
@@ -53,9 +55,10 @@ def _parts(batch: Batch, failures: Mapping[str, str]) -> Iterator[str]:
     yield f"<title>{title}</title><style>{STYLE}{STYLE_OF_CLIPS}</style></head><body>"
     yield f"<h1>{title}</h1><div class='facts'>"
     num_held = sum(int(task.take.get("num_held", 0)) for task, why in states if why == "")
-    facts = [(num_done, "clips done"), (num_failed, "failed"), (num_waiting, "not done yet")]
-    facts.append((num_held, "frames held in all"))
-    for number, text in facts:
+    facts = [f"{counted(num_done, 'clip')} done", f"{num_failed} failed"]
+    facts += [f"{num_waiting} not done yet", f"{counted(num_held, 'frame')} held in all"]
+    for fact in facts:
+        number, _, text = fact.partition(" ")
         yield f"<div><b>{number}</b><span>{text}</span></div>"
     yield "</div>"
     if num_failed:
@@ -71,13 +74,6 @@ def _parts(batch: Batch, failures: Mapping[str, str]) -> Iterator[str]:
     yield "</div><p class='caption'>Sorted by quality, the least first. Curve: quality over the "
     yield "clip; under the dotted line frames are held. Picture: the frame in which most muscles "
     yield "are at work.</p></body></html>\n"
-
-
-def _why(task: Task, failures: Mapping[str, str]) -> str | None:
-    """Why a task failed, the empty string if it is done, None if it is yet to be done."""
-    if reason := failures.get(task.name) or task.row.problem or task.error:
-        return reason
-    return "" if task.has_all() else None
 
 
 def _median(task: Task) -> float:
@@ -119,7 +115,7 @@ def _lone_card(clip: str, why: str) -> str:
 def _described(task: Task) -> str:
     take = task.take
     first, last = take["frames"]
-    holds = f", {take['num_held']} frames held" if take["num_held"] else ""
+    holds = f", {counted(take['num_held'], 'frame')} held" if take["num_held"] else ""
     return (
         f"quality {take['median']:.2f}, lowest {take['lowest']:.2f}{holds}; "
         f"frames {first} to {last}"

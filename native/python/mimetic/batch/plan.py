@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import os
 import re
 import shutil
 import tempfile
@@ -15,10 +14,10 @@ from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch.clip_list import MARK, Row, is_text
-from mimetic.batch.person import FOLDER, prepare_people
+from mimetic.batch.person import FOLDER, is_there, prepare_people
 from mimetic.batch.steps import Settings
 from mimetic.batch.task import Task
-from mimetic.media.image_sequence import is_sequence, opened
+from mimetic.media.image_sequence import is_sequence
 from mimetic.shared.folder_lock import alone_with, in_use, remove_left_over
 from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import UNSAFE, shown
@@ -168,7 +167,7 @@ def _known_folders(out: Path) -> tuple[dict[tuple[str, str, str], list[str]], li
         except (InvalidInput, UnreadableMedia):
             continue
         folders.setdefault(task.row.identity, []).append(task.name)
-        if "capture" in task.done and not _is_there(task.row.clip):
+        if "capture" in task.done and not is_there(task.row.clip):
             left.append(task)
     return folders, left
 
@@ -191,13 +190,6 @@ def _left_name(out: Path, row: Row, settings: Settings, left: list[Task]) -> str
         return ""
     left.remove(found)
     return found.name
-
-
-def _is_there(clip: str) -> bool:
-    try:
-        return os.path.exists(opened(clip))
-    except UnreadableMedia:
-        return False
 
 
 def _own_name(clip: str) -> str:

@@ -63,7 +63,7 @@ def _capture(row: Row, folder: Path, person: Person | None) -> Step:
     words = ["capture", row.clip, "--out", str(folder)]
     if row.frames:
         words.append(f"--frames={row.frames}")
-    words += rate_words(row.clip, row.fps)
+    words += (of_rate := rate_words(row.clip, row.fps))
     option, fit = "--fit", row.fit
     if person is not None and not row.fit:
         option, fit = ("--fit" if person.is_of(row.clip) else "--person"), person.fit
@@ -73,7 +73,7 @@ def _capture(row: Row, folder: Path, person: Person | None) -> Step:
     if option != "--fit" or not fit:
         words += (of_lens := lens_words(row.focal, row.sensor))
         choices |= {"lens": of_lens} if of_lens else {}
-    if row.fps:
+    if of_rate:
         choices["fps"] = row.fps
     return Step("capture", tuple(words), inputs, CAPTURED, choices, leaves_parts=True)
 

@@ -20,7 +20,7 @@ from typing import Any
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch.clip_list import MARK, Row
-from mimetic.batch.person import Person, folder_of
+from mimetic.batch.person import BAD_INPUT, Person, folder_of
 from mimetic.batch.steps import BAKES, Settings, Step, steps_of
 from mimetic.batch.take_summary import is_summary, summarise
 from mimetic.media.clip_fingerprint import fingerprint
@@ -32,7 +32,7 @@ from mimetic.shared.whole_file import HIDDEN
 SCHEMA = 1
 LARGEST_FILE = 1 << 20  # bytes
 LOCK = ".lock"
-FAILED, BAD_INPUT = 1, 2  # exit status
+FAILED = 1  # exit status, beside BAD_INPUT
 STOPPED = 128  # above it: by a signal, and to be done yet
 # Runs a command line; returns its exit status and what went wrong
 RunCommand = Callable[[Sequence[str]], tuple[int, str]]
@@ -50,7 +50,8 @@ class Task:
     begun: str = ""  # the step at work
     error: str = ""  # why it ended last time
     take: dict[str, Any] = field(default_factory=dict)  # `take_summary.summarise`
-    notes: list[str] = field(default_factory=list)
+    # Results that were changed by hand and put aside: name of the copy, and of the result
+    kept: dict[str, str] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -63,12 +64,32 @@ class Task:
             return None
         return Person.load(folder_of(self.folder.parent, self.row.person))
 
+    @property
+    def notes(self) -> list[str]:
+        """On results that were put aside, as long as they are there."""
+        notes: list[str] = []
+        for copy, name in self._kept_yet().items():
+            notes.append(f"{name} was changed by hand and is kept as {copy}")
+        return notes
+
+    def _kept_yet(self) -> dict[str, str]:
+        return {c: name for c, name in self.kept.items() if os.path.exists(self.folder / c)}
+
     def steps(self, person: Person | None = None) -> list[Step]:
         return steps_of(self.row, self.settings, self.folder, person)
 
     def has_all(self) -> bool:
-        """Whether every step was done and left its files, whatever became of its input since."""
-        return all(map(self.has_results, self.steps()))
+        """Whether every step was done as it is asked now, and left its files.
+
+        Of a step whose input is gone since, which cannot be told, its files are enough.
+        """
+        try:
+            person = self.person
+        except (InvalidInput, UnreadableMedia):
+            return False
+        if person and not (person.is_known() or person.has_lost_sources()):
+            return False
+        return all(self._is_done(step, if_gone=True) for step in self.steps(person))
 
     def has_results(self, step: Step) -> bool:
         """Whether the step was done, and its files are there."""
@@ -83,7 +104,7 @@ class Task:
             with contextlib.suppress(InvalidInput, UnreadableMedia):  # none, or none of use
                 before = Task.load(self.folder)
                 self.done, self.written, self.begun = before.done, before.written, before.begun
-                self.take, self.notes = before.take, before.notes
+                self.take, self.kept = before.take, before.kept
             self._write(self)
         (self.folder / LOCK).touch()
 
@@ -105,7 +126,7 @@ class Task:
             "begun": self.begun,
             "error": self.error,
             "take": self.take,
-            "notes": self.notes,
+            "kept": self._kept_yet(),
         }
         write_json(self.folder / MARK, document)
 
@@ -124,12 +145,16 @@ class Task:
 
     def is_done(self, step: Step) -> bool:
         """Whether the step was done with the same input, and its files are there."""
+        return self._is_done(step, if_gone=False)
+
+    def _is_done(self, step: Step, if_gone: bool) -> bool:
+        """if_gone: whether a step with results counts as done where an input of it is gone."""
         if not self.has_results(step):
             return False
         try:
             return self.done[step.name]["key"] == step.key()
-        except (OSError, UnreadableMedia):  # an input is gone
-            return False
+        except (OSError, UnreadableMedia):
+            return if_gone
 
     def is_all_done(self) -> bool:
         try:
@@ -162,12 +187,18 @@ def _checked_fields(document: Any) -> dict[str, Any]:
         written = {n: f for record in document["done"].values() for n, f in record["files"].items()}
     if not all(isinstance(mark, str) for mark in written.values()):
         raise TypeError("written holds what is no fingerprint")
-    texts = [document["error"], document["begun"], *document["notes"]]
+    kept = document.get("kept")
+    if kept is None:  # by a Mimetic that kept the notes on them
+        kept = dict(
+            reversed(note.split(" was changed by hand and is kept as "))
+            for note in document["notes"]
+        )
+    texts = [document["error"], document["begun"], *kept, *kept.values()]
     if not all(isinstance(text, str) for text in texts) or not is_summary(document["take"]):
-        raise TypeError("error, begun, notes or take of another type")
-    names = ("done", "begun", "error", "take", "notes")
-    rest = {name: document[name] for name in names}
-    return {"row": row, "settings": Settings(**settings), "written": written, **rest}
+        raise TypeError("error, begun, kept or take of another type")
+    rest = {name: document[name] for name in ("done", "begun", "error", "take")}
+    rest |= {"row": row, "settings": Settings(**settings), "written": written, "kept": kept}
+    return rest
 
 
 def run_task(folder: Path, run_command: RunCommand, only: Sequence[str] = ()) -> tuple[int, str]:
@@ -212,7 +243,7 @@ def _run_steps(task: Task, run_command: RunCommand, only: Sequence[str]) -> tupl
 
 def _run_step(task: Task, step: Step, run_command: RunCommand) -> tuple[int, str]:
     key = step.key()
-    task.notes += _put_aside(task, step)
+    _put_aside(task, step)
     task.begun, task.error = step.name, ""
     record = task.done.pop(step.name, None)
     task.save()
@@ -240,19 +271,17 @@ def _run_step(task: Task, step: Step, run_command: RunCommand) -> tuple[int, str
     return 0, ""
 
 
-def _put_aside(task: Task, step: Step) -> list[str]:
-    """Renames results that are not as we left them; returns notes on them.
+def _put_aside(task: Task, step: Step) -> None:
+    """Renames results that are not as we left them, and notes it.
 
     A process that was killed may have written them, or a person: nothing tells which.
     """
-    notes = []
     for name in step.outputs:
         path = task.folder / name
         if path.is_file() and not _are_of(task.folder, task.written, [name]):
             new_path = next(copy for copy in _copies(path) if not copy.exists())
             os.rename(path, new_path)
-            notes.append(_note(name, new_path))
-    return notes
+            task.kept[new_path.name] = name
 
 
 def _remove_equal_copies(task: Task, step: Step) -> None:
@@ -260,13 +289,9 @@ def _remove_equal_copies(task: Task, step: Step) -> None:
     for name in step.outputs:
         path = task.folder / name
         for copy in itertools.takewhile(Path.exists, _copies(path)):
-            if (note := _note(name, copy)) in task.notes and filecmp.cmp(path, copy, shallow=False):
+            if task.kept.get(copy.name) == name and filecmp.cmp(path, copy, shallow=False):
                 copy.unlink()
-                task.notes.remove(note)
-
-
-def _note(name: str, copy: Path) -> str:
-    return f"{name} was changed by hand and is kept as {copy.name}"
+                del task.kept[copy.name]
 
 
 def _copies(path: Path) -> Iterator[Path]:

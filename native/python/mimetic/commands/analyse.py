@@ -11,6 +11,7 @@ from mimetic.analyse.timing_report import FILES, write_timing
 from mimetic.commands.console import Console
 from mimetic.performance.document import Performance
 from mimetic.report.html import check_report_packages
+from mimetic.shared.counted import counted
 from mimetic.shared.regular_file import check_input
 from mimetic.shared.results import beside_capture, prepare_folder, publish, staging
 
@@ -39,6 +40,6 @@ def run_analyse(arguments: argparse.Namespace) -> int:
     delayed_pairs = [pair for pair in timing.delays if pair.delay.is_delayed]
     print(
         f"{out}: {events_text(len(certain))} of groups, {len(delayed_pairs)} of "
-        f"{len(timing.delays)} pairs delayed"
+        f"{counted(len(timing.delays), 'pair')} delayed"
     )
     return 0

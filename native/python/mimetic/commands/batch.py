@@ -13,10 +13,11 @@ from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch import flamenco, on_dask, open_job, plan
-from mimetic.batch.clip_list import MARK, Row, check_lens, is_text, rows_of
+from mimetic.batch.clip_list import MARK, Row, check_character, check_lens, is_text, rows_of
 from mimetic.batch.page import write_page
 from mimetic.batch.plan import PAGE, PLAN, Batch
 from mimetic.batch.pool import Outcome, Pool, num_cores
+from mimetic.batch.standing import Standing
 from mimetic.batch.steps import BAKES, NAMES, Settings
 from mimetic.batch.task import run_task
 from mimetic.character.sparse_curves import check_tolerance
@@ -26,6 +27,7 @@ from mimetic.commands.console import Console, say
 from mimetic.media.frame_range import parse_range
 from mimetic.media.image_sequence import USUAL_FPS, ImageSequence, opened
 from mimetic.report.html import check_report_packages
+from mimetic.shared.counted import counted
 from mimetic.shared.folder_lock import alone_with
 from mimetic.shared.interrupts import listen_for_interrupt
 from mimetic.shared.pinhole import FULL_FRAME_MM
@@ -155,7 +157,8 @@ def run_batch(arguments: argparse.Namespace) -> int:
         raise InvalidInput("--steps is of one clip: give --task NAME too")
     if arguments.summary:
         check_input(arguments.out / PLAN, "the plan of a batch (JSON)")
-        return tell_outcome(_write_page_anew(arguments.out, {}), {}, 0)
+        standing = Standing()
+        return tell_outcome(_write_page_anew(arguments.out, {}, standing), {}, standing)
     if not arguments.clips:
         raise InvalidInput("give the clips of the batch: videos, folders, CSV tables")
     if arguments.submit == "dask" and not arguments.address:
@@ -171,12 +174,13 @@ def run_batch(arguments: argparse.Namespace) -> int:
 def submit(batch: Batch, arguments: argparse.Namespace) -> int:
     """Hands the batch to an engine that goes on without us; returns the exit status."""
     if not batch.tasks:
-        tell_outcome(batch, {}, 0)
+        tell_outcome(batch, {}, Standing())
         raise InvalidInput("there is no clip to submit")
     for row in batch.problems:
         print(cli.line(f"{row.clip}: {row.problem}"))
     text = (
-        f"{len(batch.tasks)} clips; when they are done: mimetic batch --summary --out {batch.out}"
+        f"{counted(len(batch.tasks), 'clip')}; when all is done: "
+        f"mimetic batch --summary --out {batch.out}"
     )
     if arguments.submit == "openjd":
         path = open_job.write_template(batch, arguments.mimetic)
@@ -238,6 +242,7 @@ def begun_batch(arguments: argparse.Namespace) -> AbstractContextManager[Batch]:
         )
     character = arguments.character
     if character:
+        check_character(character)
         rig, _, name = character.rpartition(":")
         character = f"{os.path.abspath(rig)}:{name}"
     bakes = tuple(kind for kind in BAKES if kind in arguments.bake)
@@ -253,6 +258,7 @@ def begun_batch(arguments: argparse.Namespace) -> AbstractContextManager[Batch]:
 def run(batch: Batch, arguments: argparse.Namespace) -> int:
     """Runs what is not done yet, by processes of this machine or workers of Dask."""
     failures = {task.name: task.row.problem for task in batch.tasks if task.row.problem}
+    standing = Standing()
     with Console() as console, listen_for_interrupt("what is done is kept") as interrupt:
         console.show(0.0, "looking at what is done")
         waiting = [
@@ -267,11 +273,11 @@ def run(batch: Batch, arguments: argparse.Namespace) -> int:
                 failures[name] = outcome.message
                 console.tell(f"{name}: {outcome.message}")
             if len(ends) % PAGE_EVERY == 0:
-                _refresh(batch.out, failures, console.tell)
+                _refresh(batch.out, failures, standing, console.tell)
 
         def show(fraction: float, number: int) -> None:
             failure_text = f", {len(failures)} failed" if failures else ""
-            console.show(fraction, f"{number} of {len(waiting)} clips{failure_text}")
+            console.show(fraction, f"{number} of {counted(len(waiting), 'clip')}{failure_text}")
 
         weights = {task.name: _weight(Path(task.row.clip)) for task in waiting}
         if arguments.submit == "dask":
@@ -282,29 +288,31 @@ def run(batch: Batch, arguments: argparse.Namespace) -> int:
             command = [sys.executable, "-m", "mimetic", "batch", "--end-with-parent"]
             command += ["--out", str(batch.out)]
             pool.run({name: [*command, f"--task={name}"] for name in weights}, weights, show)
-    _refresh(batch.out, failures, lambda text: print(cli.line(text)))
+    _refresh(batch.out, failures, standing, lambda text: print(cli.line(text)))
     failures = plan.reload(batch) | failures
-    return interrupt.status or tell_outcome(batch, failures, num_before)
+    return interrupt.status or tell_outcome(batch, failures, standing, num_before)
 
 
-def _refresh(out: Path, failures: Mapping[str, str], tell: Callable[[str], None]) -> None:
+def _refresh(
+    out: Path, failures: Mapping[str, str], standing: Standing, tell: Callable[[str], None]
+) -> None:
     """Writes the page; where that fails the batch goes on."""
     try:
-        _write_page_anew(out, failures)
+        _write_page_anew(out, failures, standing)
     except OSError as error:
         tell(f"{out / PAGE} cannot be written: {error.strerror or error}")
     except (InvalidInput, UnreadableMedia) as error:
         tell(str(error))
 
 
-def _write_page_anew(out: Path, failures: Mapping[str, str]) -> Batch:
+def _write_page_anew(out: Path, failures: Mapping[str, str], standing: Standing) -> Batch:
     """The page of all that is planned in a folder, as it is now, whoever planned it; returns it.
 
-    failures: as for `write_page`. Raises InvalidInput, UnreadableMedia, OSError.
+    failures: as for `Standing.why_not`. Raises InvalidInput, UnreadableMedia, OSError.
     """
     with alone_with(out):  # or a page that was read before another's would be written after it
         batch = plan.load(out)
-        write_page(batch, failures)
+        write_page(batch, failures, standing)
     return batch
 
 
@@ -319,21 +327,19 @@ def _weight(clip: Path) -> float:
         return 1.0
 
 
-def tell_outcome(batch: Batch, failures: dict[str, str], num_before: int) -> int:
+def tell_outcome(
+    batch: Batch, failures: Mapping[str, str], standing: Standing, num_before: int = 0
+) -> int:
     """Prints what failed, a line each, and how many are done; returns the exit status."""
-    lines = {}
-    num_done = 0
-    for task in batch.tasks:
-        if reason := failures.get(task.name) or task.row.problem or task.error:
-            lines[task.name] = reason
-        elif task.has_all():
-            num_done += 1
-        else:
-            lines[task.name] = "not done yet"
-    rows = [*lines.items(), *((row.clip, row.problem) for row in batch.problems)]
+    states = [(task.name, standing.why_not(task, failures)) for task in batch.tasks]
+    lines = [(name, "not done yet" if why is None else why) for name, why in states if why != ""]
+    num_done = len(states) - len(lines)
+    rows = [*lines, *((row.clip, row.problem) for row in batch.problems)]
     for name, reason in rows:
         print(cli.line(f"{name}: {reason}"))
     before = f", {num_before} of them before" if num_before else ""
     failure_text = f", {len(rows)} not" if rows else ""
-    print(cli.line(f"{batch.out}: {num_done} clips done{before}{failure_text}; {PAGE} shows them"))
+    done = f"{counted(num_done, 'clip')} done{before}{failure_text}"
+    them = "it" if len(states) + len(batch.problems) == 1 else "them"
+    print(cli.line(f"{batch.out}: {done}; {PAGE} shows {them}"))
     return FAILED if rows else 0

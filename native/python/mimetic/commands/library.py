@@ -21,6 +21,7 @@ from mimetic.library.folder import Library
 from mimetic.library.preview import expression_picture
 from mimetic.media.timing import check_rate
 from mimetic.performance.document import Performance
+from mimetic.shared.counted import counted
 from mimetic.shared.regular_file import check_input, check_target
 from mimetic.shared.shown_text import shown
 
@@ -194,8 +195,8 @@ def _compose(arguments: argparse.Namespace) -> int:
         print(f"note: {note}")
     seconds = (performance.num_frames - 1) / performance.fps
     print(
-        f"{shown(arguments.out)}: {len(placings)} expressions, {performance.num_frames} "
-        f"frames, {seconds:.4g} s"
+        f"{shown(arguments.out)}: {counted(len(placings), 'expression')}, "
+        f"{counted(performance.num_frames, 'frame')}, {seconds:.4g} s"
     )
     return 0
 
@@ -206,9 +207,11 @@ def describe(expression: Expression) -> str:
     highest = np.abs(expression.values).max(axis=0) * expression.telling
     strongest = [expression.channels[i] for i in np.argsort(-highest)[:3] if highest[i] > 0]
     groups = ", ".join(dict.fromkeys(expression.event_names or ())) or "no phases"
+    num = len(expression.channels)
+    moved = "1 muscle or bone" if num == 1 else f"{num} muscles and bones"
     source = " of frames ".join(expression.source) if expression.source else "made by hand"
     return (
-        f"{kind}; {len(expression.channels)} muscles and bones, most {', '.join(strongest)}; "
+        f"{kind}; {moved}, most {', '.join(strongest)}; "
         f"{groups if not expression.is_still else 'one moment'}; {source}"
     )
 

@@ -20,6 +20,7 @@ from mimetic.media.footage import Footage
 from mimetic.media.frame_range import parse_range
 from mimetic.performance.document import Performance
 from mimetic.report.html import check_report_packages
+from mimetic.shared.counted import counted
 from mimetic.shared.interrupts import listen_for_interrupt
 from mimetic.shared.pinhole import FULL_FRAME_MM
 from mimetic.shared.progress import SEARCHED, Costs, Progress, stages
@@ -204,11 +205,12 @@ def beginning(footage: Footage, frames: tuple[int, int], fit: FaceFit | None) ->
     first, last = frames
     num_frames = 1 + last - first
     seconds = num_frames / float(footage.fps)
+    followed = f"following it through {counted(num_frames, 'frame')}"
     searching = "" if fit else "finding the face, "
     if fit and (way := before_range(fit, frames)):
         searching = f"following the face through {way}, then "
     return (
-        f"{footage.path.name}: {searching}following it through {num_frames} frames from {first} on "
+        f"{footage.path.name}: {searching}{followed} from {first} on "
         f"({seconds:.1f} s), drawing it over them; Ctrl-C keeps the part that is finished"
     )
 
@@ -240,7 +242,7 @@ def save_performance(performance: Performance, path: Path, tell: Callable[[str],
         except OSError:
             shutil.rmtree(folder, ignore_errors=True)
         else:
-            tell(f"{folder / path.name}: kept here, {performance.num_frames} frames")
+            tell(f"{folder / path.name}: kept here, {counted(performance.num_frames, 'frame')}")
         raise
 
 
@@ -249,4 +251,4 @@ def tell_results(
 ) -> None:
     for note in performance.notes or ():
         console.tell(f"note: {note}")
-    console.tell(f"{folder}: {', '.join(names)}; {performance.num_frames} frames")
+    console.tell(f"{folder}: {', '.join(names)}; {counted(performance.num_frames, 'frame')}")

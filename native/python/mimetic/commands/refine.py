@@ -16,6 +16,7 @@ from mimetic.commands.on_clip import parse_frames
 from mimetic.media.footage import Footage
 from mimetic.performance.corrections import load_corrections
 from mimetic.performance.document import Performance
+from mimetic.shared.counted import counted
 from mimetic.shared.folder_lock import alone_with
 from mimetic.shared.interrupts import listen_for_interrupt
 from mimetic.shared.regular_file import check_target
@@ -83,7 +84,9 @@ def run_refine(arguments: argparse.Namespace) -> int:
             return interrupt.status
         saved = _save(result, out, state)  # a signal ends it, and what was said stays true
         console.show(1.0, "done")
-        console.tell(f"{saved}: {len(corrections)} frames corrected, solved in {seconds:.1f} s")
+        console.tell(
+            f"{saved}: {counted(len(corrections), 'frame')} corrected, solved in {seconds:.1f} s"
+        )
         if saved == out and (names := _drawn_before(arguments.performance, out)):
             console.tell(
                 f"{out.parent}: {names} still of the performance before; mimetic capture with "

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from mimetic.puppet.pages import write_taught_page
 from mimetic.puppet.templates import TaughtSet
+from mimetic.shared.counted import counted
 from mimetic.shared.results import publish_files, staging
 from mimetic.shared.shown_text import shown
 
@@ -27,10 +28,11 @@ def save_set(taught: TaughtSet, out: Path) -> int:
         lines = write_taught_page(taught, folder / page.name, out.stem)
         publish_files(folder, target.parent)
     print(
-        f"{shown(out)}: {len(taught.looks)} looks, {len(taught.template_parts)} templates, "
-        f"{len(taught.example_scores)} examples"
+        f"{shown(out)}: {counted(len(taught.looks), 'look')}, "
+        f"{counted(len(taught.template_parts), 'template')}, "
+        f"{counted(len(taught.example_scores), 'example')}"
     )
     for line in lines[:MOST_ADVICE]:
         print(f"advice: {shown(line)}")
-    print(f"{shown(page)}: the templates, and all advice ({len(lines)} lines)")
+    print(f"{shown(page)}: the templates, and all advice ({counted(len(lines), 'line')})")
     return 0

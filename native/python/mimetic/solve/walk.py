@@ -20,6 +20,7 @@ from mimetic.media.cuts import CutWatch
 from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY
 from mimetic.performance.rows import Rows
+from mimetic.shared.counted import counted
 from mimetic.shared.progress import Progress, frame_text
 from mimetic.solve.capture_summary import CaptureSummary
 
@@ -219,7 +220,7 @@ class ClipWalk:
         num_held = int(np.sum(np.array(rows.quality) < HELD_QUALITY))
         if num_held:
             notes.append(
-                f"the {self.subject} was lost in {num_held} frames, which are held "
+                f"the {self.subject} was lost in {counted(num_held, 'frame')} and is held there "
                 "(quality under 0.2)"
             )
         notes += [
@@ -237,8 +238,7 @@ def before_range(fit: FaceFit, frames: tuple[int, int]) -> str:
     if first <= fit.frame <= last:
         return ""
     begin = first if fit.frame < first else last
-    apart = abs(begin - fit.frame)
-    frames_apart = "1 frame" if apart == 1 else f"{apart} frames"
+    frames_apart = counted(abs(begin - fit.frame), "frame")
     return f"{frames_apart} from the reference frame {fit.frame} to {begin}"
 
 
