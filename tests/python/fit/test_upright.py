@@ -21,7 +21,9 @@ def filtered(clip, path, filters, *output):
 @pytest.mark.parametrize(("turns", "where"), [(1, "to the right"), (2, "down"), (3, "to the left")])
 def test_a_turned_clip_is_refused_and_the_advice_mends_it(rendered_clip, tmp_path, turns, where):
     turned = filtered(rendered_clip.footage, tmp_path / "turned.mp4", FILTERS[turns])
-    with pytest.raises(NoFace, match=f"the head points {where} in frame") as refused:
+    with pytest.raises(
+        NoFace, match=f"the head points {where} in frame 3, and the file does not turn it"
+    ) as refused:
         find_face(turned, frame=3)
     advice = str(refused.value).split("-vf ")[1].split()[0]
     mended = filtered(turned, tmp_path / "mended.mp4", advice)
@@ -44,6 +46,13 @@ def test_rotation_that_the_file_tells_is_followed(rendered_clip, fit_of_frame_3,
     np.testing.assert_allclose(
         find_face(path, frame=3).head_pose[:3, :3], expected[:3, :3], atol=0.03
     )
+
+
+def test_a_rotation_that_is_wrong_is_told(rendered_clip, tmp_path):
+    path = tmp_path / "told.mp4"
+    ffmpeg("-display_rotation", "90", "-i", rendered_clip.footage, "-c", "copy", path)
+    with pytest.raises(NoFace, match="and the file turns it by 90 degrees: set it upright"):
+        find_face(path, frame=3)
 
 
 def test_a_picture_without_any_face_is_not_called_turned(tmp_path):

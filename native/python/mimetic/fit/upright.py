@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Footage that was filmed sideways, with no rotation in the file: it is recognised by the face."""
+"""Footage that was filmed sideways, with no or a wrong rotation in the file: told by the face."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ def check_upright(
         return
     where, turning = TURNS[turns]
     source = shlex.quote(str(footage.path))
+    says = f"turns it by {footage.rotation} degrees" if footage.rotation else "does not turn it"
     raise NoFace(
-        f"{footage.path.name}: the head points {where} in frame {frame}, and the file does not say "
-        f"that it is turned: set it upright (ffmpeg -i {source} -vf {turning} upright.mp4) and "
-        "take that clip"
+        f"{footage.path.name}: the head points {where} in frame {frame}, and the file {says}: set "
+        f"it upright (ffmpeg -i {source} -vf {turning} upright.mp4) and take that clip"
     )
 
 
