@@ -42,7 +42,7 @@ class ForeignHead:
 
 def active_head(context) -> bpy.types.Object | None:
     """The active object, or the head whose landmark that is: one has just been dragged."""
-    active = context.active_object
+    active = scene_in.active(context)
     if active is not None and active.type == "EMPTY" and active.mimetic.landmark and active.parent:
         return active.parent
     return active

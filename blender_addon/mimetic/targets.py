@@ -122,7 +122,7 @@ def no_take_list(context) -> str:
 
 def no_controls(context) -> str:
     """Why the active object has no controls of its own to drive."""
-    character = context.active_object
+    character = scene_in.active(context)
     if reason := scene_in.no_start():
         return reason
     is_rig = character is not None and character.type == "ARMATURE"
@@ -141,7 +141,7 @@ def no_control_table(context) -> str:
     """Why there is no table of controls to change or keep."""
     if reason := no_controls(context):
         return reason
-    return "" if len(context.active_object.mimetic.controls) else "Press Fit Controls first"
+    return "" if len(scene_in.active(context).mimetic.controls) else "Press Fit Controls first"
 
 
 def no_controls_bake(context) -> str:

@@ -168,12 +168,13 @@ def test_buttons_of_a_scene_that_a_script_gives_leave_the_windows(
     bpy.context.window.scene = scene
     bpy.context.view_layer.objects.active = face
     assert bpy.context.active_object == face
-    scene_in, targets = extension("scene_in"), extension("targets")
+    scene_in, targets, heads = (extension(name) for name in ("scene_in", "targets", "heads"))
     with bpy.context.temp_override(scene=second, view_layer=second.view_layers[0]):
         assert scene_in.face_of(bpy.context) == second.mimetic.face
         assert scene_in.shown_face(bpy.context) == second.mimetic.face
         assert targets.take_owner(bpy.context) == second.mimetic.face
         assert targets.bound_head(bpy.context) is None
+        assert heads.active_head(bpy.context) == second.mimetic.face
         assert bpy.ops.mimetic.bake(use_texture=False, use_contact=False) == {"FINISHED"}
         assert bpy.ops.mimetic.exaggerate_curves(factor=2.0) == {"FINISHED"}
         assert result()["object"] == second.mimetic.face.name

@@ -255,7 +255,7 @@ def _session(context, is_blocking: bool = False):
     thread.set_frozen(live.frozen(settings))  # before the first picture
     run.thread = thread.thread
     if settings.driven == "CONTROLS":
-        shown = context.active_object
+        shown = scene_in.active(context)
         puppet = scene_out.live_controls.ControlPuppet(context.scene, shown)
         if shown.type == "ARMATURE":
             shown = scene_out.face_bones.deformed_face(context.scene, shown)

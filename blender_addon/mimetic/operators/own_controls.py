@@ -63,7 +63,7 @@ class Fitting(OnControls, Job):
     bl_options = {"REGISTER", "UNDO"}
 
     def read(self, context):
-        character = context.active_object
+        character = scene_in.active(context)
         if character.type == "ARMATURE":
             control_preview.end()  # the rig is measured as it was
         before = [] if self.is_reset() else control_rows.rows_of(character)
@@ -203,7 +203,7 @@ class MIMETIC_OT_preview_controls(Fitting, Operator):
         return self._end_preview(context) or super().invoke(context, event)
 
     def _end_preview(self, context):
-        if not control_preview.is_of(context.active_object):
+        if not control_preview.is_of(scene_in.active(context)):
             return None
         control_preview.end()
         return outcome.finished(self, context, "The character is as it was before")
@@ -271,7 +271,7 @@ class MIMETIC_OT_mirror_controls(OnControls, Operator):
     )
 
     def execute(self, context):
-        character = context.active_object
+        character = scene_in.active(context)
         before = control_rows.rows_of(character)
         rows = native.controls().mirrored(before, self.from_side)
         _write_rows(character, rows)
@@ -295,7 +295,7 @@ class Preset(OnControls):
 
     def invoke(self, context, event):
         if not self.filepath:
-            self.filepath = f"{bpy.path.clean_name(context.active_object.name)}.controls.json"
+            self.filepath = f"{bpy.path.clean_name(scene_in.active(context).name)}.controls.json"
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
@@ -307,7 +307,7 @@ class MIMETIC_OT_save_controls(Preset, Operator):
     bl_label = "Save Controls"
 
     def execute(self, context):
-        rows = control_rows.rows_of(context.active_object)
+        rows = control_rows.rows_of(scene_in.active(context))
         try:
             path = Path(named_file(self.filepath, ".json"))
             native.controls().save_preset(rows, path)
@@ -330,7 +330,7 @@ class MIMETIC_OT_load_controls(Preset, Operator):
     obstacle = staticmethod(targets.no_controls)
 
     def execute(self, context):
-        character = context.active_object
+        character = scene_in.active(context)
         package = native.controls()
         before, ranges = control_rows.rows_of(character), ranges_of(character)
         try:

@@ -3,7 +3,7 @@
 
 from bpy.types import Panel, UIList
 
-from .. import control_preview, native, targets
+from .. import control_preview, native, scene_in, targets
 from . import list_rows
 from .muscles import Muscles
 from .paragraph import paragraph
@@ -33,12 +33,12 @@ class MIMETIC_PT_controls(Muscles, Panel):
 
     @classmethod
     def poll(cls, context):
-        active = context.active_object
+        active = scene_in.active(context)
         return not native.problem() and active is not None and active.type in TYPES
 
     def draw(self, context):
         layout = self.layout
-        face = context.active_object.mimetic
+        face = scene_in.active(context).mimetic
         row = layout.row(align=True)
         row.operator("mimetic.fit_controls", icon="MOD_MESHDEFORM")
         row.operator("mimetic.load_controls", text="", icon="FILE_FOLDER")
@@ -48,7 +48,7 @@ class MIMETIC_PT_controls(Muscles, Panel):
             self.draw_table(layout, face)
         row = layout.row(align=True)
         row.operator("mimetic.bake_controls", icon="ACTION")
-        is_shown = control_preview.is_of(context.active_object)
+        is_shown = control_preview.is_of(scene_in.active(context))
         row.operator("mimetic.preview_controls", icon="HIDE_OFF" if is_shown else "HIDE_ON")
 
     def draw_table(self, layout, face):

@@ -68,7 +68,7 @@ class MIMETIC_PT_muscles(Muscles, Panel):
             self.draw_group(layout, face, group, sliders.get(group, []), blocks)
 
     def draw_attaching(self, layout, context):
-        active = context.active_object
+        active = scene_in.active(context)
         name = active.name if active and active.type == "MESH" else iface_("a head of your own")
         column = layout.column(align=True)
         paragraph(column, iface_("Muscles on {name}:").format(name=name))
