@@ -8,6 +8,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,26 +86,27 @@ def find_rest(
     frames = list(judgements)
     scores, expressions, details = _compared(judgements)
     chances = _core.chances_of_rest(scores, details, expressions)
-    faces = [face for judged in judgements.values() for face in judged.faces]
-    cameras = cameras_to_try(lens, footage.size, faces)
 
-    def fit_head(image: NDArray[np.uint8], frame: int) -> FaceFit | None:
+    def fit_with(camera: _core.Camera, image: NDArray[np.uint8], frame: int) -> FaceFit | None:
         with contextlib.suppress(NoFace):
             faces = judgements[frame].faces
-            return fitting.find_face(image, frame, camera=cameras[0], near=near, faces=faces)
+            return fitting.find_face(image, frame, camera=camera, near=near, faces=faces)
         return None
 
     order = _core.distinct_first(chances, expressions)
     best_chance = float(chances.max()) or 1.0  # 0 where the finder is sure of no frame
     likely = [(frames[i], chances[i] / best_chance) for i in order]
-    while not (fits := _fitted_heads(footage, likely, fit_head, fitting_heads)):
-        del cameras[0]
-        if not cameras:
-            return None
+    found = [face for judged in judgements.values() for face in judged.faces]
+    for camera in cameras_to_try(lens, footage.size, found):
+        fit_head = partial(fit_with, camera)
+        if fits := _fitted_heads(footage, likely, fit_head, fitting_heads):
+            break
+    else:
+        return None
     # A pose or expression mistaken for shape shows as unusual proportions.
     usual = best = min(fits, key=_unusualness)
     if _turn(best) > FAR_TURNED:
-        best = _more_frontal(footage, best, frames, cameras[0], near, fitting_heads)
+        best = _more_frontal(footage, best, frames, camera, near, fitting_heads)
     best = _explained(best, "usual" if best is usual else "frontal", judgements)
     best, skin = _relaxed(footage, best, fits, judgements, fit_head, following)
     rest = None if best.rest.why == "usual" else frames.index(best.frame)
