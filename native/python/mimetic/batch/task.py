@@ -67,8 +67,10 @@ class Task:
     @property
     def notes(self) -> list[str]:
         """On results that were put aside, as long as they are there."""
-        kept = self._kept_yet().items()
-        return [f"{name} was changed by hand and is kept as {copy}" for copy, name in kept]
+        notes = []
+        for copy, name in self._kept_yet().items():
+            notes.append(f"{name} was changed by hand and is kept as {copy}")
+        return notes
 
     def _kept_yet(self) -> dict[str, str]:
         return {c: name for c, name in self.kept.items() if os.path.exists(self.folder / c)}
