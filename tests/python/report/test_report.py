@@ -2,6 +2,7 @@
 import importlib.util
 import os
 import re
+import subprocess
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -10,6 +11,7 @@ import pytest
 from clips import make_clip
 from mimetic._core import from_rotation_vectors
 from mimetic.commands import cli
+from mimetic.media.ffmpeg import ffmpeg_program
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.report.head_drawing import write_motion_plot
@@ -147,6 +149,16 @@ def test_the_overlay_has_the_footages_frames_and_rate(tmp_path, footage):
     plain, drawn = footage.read(1), overlay.read(1)
     middle = drawn[340:380, 460:500].astype(int) - plain[118:122, 158:162].mean()
     assert np.abs(middle).max() > 40
+
+
+def test_the_overlay_states_its_colours_and_keeps_the_footages(tmp_path, footage):
+    write_overlay(make_performance(), footage, tmp_path / "overlay.mp4")
+    command = [ffmpeg_program(), "-hide_banner", "-i", tmp_path / "overlay.mp4"]
+    report = subprocess.run(command, stderr=subprocess.PIPE, text=True).stderr
+    assert re.search(r"yuv420p\(tv, bt709(,|\))", report)  # matrix, primaries and transfer alike
+    plain, drawn = footage.read(1), Footage(tmp_path / "overlay.mp4").read(1)
+    enlarged = np.repeat(np.repeat(plain, 3, axis=0), 3, axis=1)
+    assert np.median(np.abs(drawn.astype(float) - enlarged)) < 4
 
 
 def test_the_overlay_of_a_part_has_the_part(tmp_path, footage):

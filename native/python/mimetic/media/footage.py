@@ -18,6 +18,7 @@ from mimetic import UnreadableMedia
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.media.ffmpeg import failure_of, ffmpeg_program
 from mimetic.media.ffmpeg_process import fill, running
+from mimetic.media.high_range import high_range_of
 from mimetic.media.image_sequence import ImageSequence, is_sequence, number_of, opened
 from mimetic.media.source_state import SourceState
 from mimetic.media.timing import FASTEST, SLOWEST
@@ -85,6 +86,7 @@ class Footage:
         self.identity = [name, fingerprint(self.path)]
         report, times, tick = self._probe()
         self._read_report(report)
+        self._read_range(report)
         self.num_frames = max(1, len(times))
         self.start = float(times[0]) if len(times) else 0.0
         self.times = times - self.start
@@ -106,6 +108,8 @@ class Footage:
         width, height = self.size
         # Each picture is a file: the first is that of the frame
         begin, colours = (1, "") if isinstance(self.path, Path) else (first, self.path.filter)
+        # Scaled first: only `scale` takes pictures of other sizes in between
+        scaled = f"scale={width}:{height}{self._to_sdr}"
         until = "" if last is None else f"*lte(n\\,{last - begin})"
         # With a new graph for pictures of another size `select` would count from 0 again; what
         # turns pictures is made for one size
@@ -114,7 +118,7 @@ class Footage:
         # "repeat": or a repeated warning is counted in a line without a level, as if it were worse
         command = [
             *self._command("-v", "repeat+level+warning", *kept, begin=begin),
-            *("-vf", f"select=gte(n\\,{first - begin}){until},{colours}scale={width}:{height}"),
+            *("-vf", f"select=gte(n\\,{first - begin}){until},{colours}{scaled}"),
             *("-fps_mode", "passthrough", "-pix_fmt", "rgb24", "-f", "rawvideo"),
             *(() if last is None else ("-frames:v", str(last - first + 1))),
             "pipe:1",
@@ -284,6 +288,12 @@ class Footage:
             f"{self.size[0]} x {self.size[1]}, where they are square"
         )
 
+    def _read_range(self, report: bytes) -> None:
+        high_range = high_range_of(report)
+        self._to_sdr = f",{high_range.filter}" if high_range and high_range.filter else ""
+        if high_range:
+            self.warnings.append(high_range.warning(self.path.name))
+
     @property
     def pixel_aspect(self) -> float:
         """Width over height of a stored pixel, as it is shown."""
@@ -301,13 +311,16 @@ class Footage:
         # A clock of milliseconds rounds 41.7 to 41 or 42: a tick to either side is still constant.
         slack = 1.5 * float(tick) + 0.02 * expected_step
         # A file cut off mid-group lists its last frames with gaps.
-        sound_steps = steps[:-16] if len(steps) > 32 else steps
+        sound_steps, last_steps = np.split(steps, [len(steps) - min(16, len(steps) // 2)])
         if len(sound_steps) and (np.abs(sound_steps - expected_step) > slack).all():
             nominal, expected_step = (
                 Fraction(0),
                 float(np.median(sound_steps)),
             )  # not what the codec says
             slack = 1.5 * float(tick) + 0.02 * expected_step
+        if 0 < len(steps) <= 32 and expected_step > 0:  # half of them: only gaps are passed over
+            num_frames = np.maximum(1, np.rint(last_steps / expected_step))
+            sound_steps = np.concatenate([sound_steps, last_steps / num_frames])
         self.variable_rate = bool((np.abs(sound_steps - expected_step) > slack).any())
         if nominal <= 0 or self.variable_rate:
             nominal = _rate_of(mean) if mean > 0 else Fraction(25)

@@ -31,6 +31,11 @@ from mimetic.shared.whole_file import file_beside
 from mimetic.template.face_template import FaceTemplate, load_template
 
 CLEAR_WIDTH = 800  # pixels: smaller footage is enlarged until its lines stay apart
+# Players guess at colours that a file does not state, each in its own way
+AS_SDR = (
+    "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,"
+    "setparams=color_primaries=bt709:color_trc=bt709:colorspace=bt709:range=tv"
+)
 HIDDEN_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket")
 Pictures = Generator[NDArray[np.uint8] | None, None, None]
 
@@ -186,8 +191,8 @@ def _encode(
         *("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"),
         *("-r", f"{fps.numerator}/{fps.denominator}", "-i", "pipe:0"),
         # H.264 as common players read it needs even sides.
-        *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast"),
-        *("-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
+        *("-vf", f"pad=ceil(iw/2)*2:ceil(ih/2)*2,{AS_SDR}", "-c:v", "libx264", "-preset"),
+        *("veryfast", "-crf", "20", "-movflags", "+faststart"),
         f"file:{path.absolute()}",
     ]
     process = subprocess.Popen(
