@@ -239,27 +239,6 @@ def test_a_face_that_leaves_is_held_and_found_again(rendered_clip, tmp_path):
     assert any("held" in note for note in performance.notes)
 
 
-def test_nothing_is_smoothed_across_a_cut(rendered_clip, tmp_path):
-    """A closer shot of the same face begins beside the reference frame."""
-    plain = "format=yuv420p,setsar=1"
-    closer = "crop=iw/1.3:ih/1.3:40:20,scale=320:240,eq=brightness=0.15"
-    wide = f"[0:v]trim=end_frame=10,{plain}[a]"
-    near = f"[1:v]trim=start_frame=10:end_frame=18,setpts=PTS-STARTPTS,{closer},{plain}[b]"
-    ffmpeg(
-        *("-i", rendered_clip.footage, "-i", rendered_clip.footage),
-        *("-filter_complex", f"{wide};{near};[a][b]concat=n=2"),
-        *("-c:v", "ffv1", tmp_path / "cut.mkv"),
-    )
-    first = find_face(rendered_clip.footage, 10)
-    cut = capture(tmp_path / "cut.mkv", frames=(1, 18), fit=first)
-    alone = capture(rendered_clip.footage, frames=(1, 10), fit=first)
-    np.testing.assert_allclose(cut.head_pose[:10], alone.head_pose, atol=1e-6)
-    np.testing.assert_allclose(cut.activations[:10], alone.activations, atol=1e-6)
-    assert (cut.quality[-3:] > 0.3).all()
-    assert cut.head_pose[-1, 2, 3] < 0.9 * alone.head_pose[-1, 2, 3]
-    assert cut.scene_starts.tolist() == [11] and alone.scene_starts is None
-
-
 def test_of_two_faces_the_larger_is_taken_and_told(rendered_clip, tmp_path):
     both = tmp_path / "two.mkv"
     filters = "[0:v]scale=240:180,pad=240:240[a];[0:v][a]hstack"

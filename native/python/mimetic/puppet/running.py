@@ -33,6 +33,7 @@ from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_capture import FrameRange, check_range, fit_for
 from mimetic.solve.clip_performance import clip_performance
+from mimetic.solve.face_place import FacePlace
 from mimetic.solve.walk import SEARCH_AGAIN, ClipWalk, find_again
 from mimetic.template.face_template import FaceTemplate, load_template
 
@@ -119,7 +120,7 @@ class _Run:
 
     def run(self, frames: tuple[int, int], progress: Progress) -> tuple[Performance, Trace]:
         first, last = frames
-        cuts = CutWatch()
+        cuts, place = CutWatch(), FacePlace(self.fit)
         num_lost = 1  # a head is not known in the first frame
         seconds = 1 / float(self.footage.fps)
         for frame, image in self.footage.frames(first, last):
@@ -129,7 +130,8 @@ class _Run:
                 self.summary.stopped = True
                 break
             image = np.ascontiguousarray(image)
-            if cuts.starts_scene(image):
+            before = self.puppet.last
+            if cuts.starts_scene(image, None if before.held else place.at(before.pose)):
                 num_lost = 1
             guess = find_again(image, frame, self.fit) if num_lost % SEARCH_AGAIN == 1 else None
             start = time.perf_counter()

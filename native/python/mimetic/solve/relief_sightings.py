@@ -18,6 +18,7 @@ from mimetic.performance.document import HELD_QUALITY
 from mimetic.shared.parallel import side_by_side
 from mimetic.shared.progress import ATTACHED, MOST_FOLLOWED, Progress, frame_text, stages
 from mimetic.solve import tracking
+from mimetic.solve.face_place import FacePlace
 from mimetic.solve.relief import LEAST_SIGHTINGS, find_relief
 from mimetic.template.face_template import FaceTemplate, load_template
 
@@ -80,6 +81,7 @@ def _with_depth(
     """
     motion = tracking.face_motion(fit.neutral_vertices(template), template, anatomy)
     reference = footage.read(fit.frame)
+    face = FacePlace(fit).at(fit.head_pose)
     # Relief moves points along the rays of one frame: so no other frame's texture may be used.
     options = _core.TrackerOptions()
     options.max_key_views = 0
@@ -92,7 +94,7 @@ def _with_depth(
         images = itertools.islice(frames_away(footage, fit.frame, end), stride - 1, None, stride)
         tracker = tracking.make_tracker(reference, fit, template, anatomy, motion, options)
         tracker.advance(reference)
-        yield from _follow(tracker, of_one_scene(reference, images))
+        yield from _follow(tracker, of_one_scene(reference, images, face))
 
     sightings: list[_core.Sighting] = []
     for sighting in side_by_side([seen_to(end) for end in frames if end != fit.frame]):

@@ -23,6 +23,7 @@ from mimetic.muscles.anatomy import AttachedSkin, modes_of
 from mimetic.performance.document import HELD_QUALITY
 from mimetic.shared.parallel import side_by_side
 from mimetic.solve import tracking
+from mimetic.solve.face_place import FacePlace
 from mimetic.template.face_template import load_template
 
 LOWEST = -1.0  # activation: as far below the supposed rest as muscles go above it
@@ -50,6 +51,7 @@ def moved_from(
     # What contracts together from rest need not relax together into it
     motion = tracking.face_motion(neutral, template, anatomy, lowest=LOWEST, together=False)
     reference = footage.read(fit.frame)
+    face = FacePlace(fit).at(fit.head_pose)
     num_muscles = len(anatomy.muscle_names)
     articulators = list(anatomy.articulator_names)
     jaw, *lids = (num_muscles + articulators.index(name) for name in (JAW, *LIDS))
@@ -62,7 +64,8 @@ def moved_from(
         own = tracker.advance(reference)
         if tells_own:
             yield fit.frame, told(own)
-        for frame, image in of_one_scene(reference, frames_away(footage, fit.frame, end)):
+        images = frames_away(footage, fit.frame, end)
+        for frame, image in of_one_scene(reference, images, face):
             if frame not in frames:
                 continue
             estimate = tracker.advance(np.ascontiguousarray(image))

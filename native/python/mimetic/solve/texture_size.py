@@ -17,6 +17,7 @@ from mimetic import _core
 from mimetic.fit.fitting import FaceFit
 from mimetic.media.cuts import of_one_scene
 from mimetic.media.footage import Footage
+from mimetic.solve.face_place import FacePlace
 from mimetic.solve.tracking import UNMEASURED
 from mimetic.template.face_template import FaceTemplate
 
@@ -60,5 +61,6 @@ def fine_contrast(
     face = measured @ pose[:3, :3].T + pose[:3, 3]
     last = min(fit.frame + LOOKED_AT, footage.num_frames)
     after = footage.frames(fit.frame + 1, last) if fit.frame < last else iter(())
-    images = itertools.chain([(fit.frame, reference)], of_one_scene(reference, after))
+    of_scene = of_one_scene(reference, after, FacePlace(fit).at(pose))
+    images = itertools.chain([(fit.frame, reference)], of_scene)
     return fmean(_core.fine_contrast(image, fit.camera, face, FINE[0]) for _, image in images)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -23,11 +23,13 @@ from mimetic.performance.rows import Rows
 from mimetic.shared.counted import counted
 from mimetic.shared.progress import Progress, frame_text
 from mimetic.solve.capture_summary import CaptureSummary
+from mimetic.solve.face_place import FacePlace
 
 Image = NDArray[np.uint8]
 Pose = NDArray[np.float64]
 SEARCH_AGAIN = 6  # frames between looks for a face that was lost: twice in half a second
 PROOF = 3  # frames on end in which a face that was lost must be found, to be this one
+MOST_NAMED = 5  # cuts in a note
 
 
 class Followed(Protocol):
@@ -38,6 +40,9 @@ class Followed(Protocol):
 
     @property
     def found_again(self) -> bool: ...  # it was searched for: it may be another face
+
+    @property
+    def camera_from_head(self) -> Pose: ...
 
 
 Estimate = TypeVar("Estimate", bound=Followed)
@@ -150,10 +155,12 @@ class ClipWalk:
         num_lost = num_away = 0
         last = self.fit.frame
         cuts, dissolves = CutWatch(reference), _core.DissolveWatch()
+        place = FacePlace(self.fit)
+        face = place.at(self.fit.head_pose)  # in the frame before; None where it was lost
         frames: list[int] = []
         for frame, image in self.images(end):
             frames.append(frame)
-            if cuts.starts_scene(image):
+            if cuts.starts_scene(image, face):
                 self._cuts.add(max(frame, last))
                 num_away = 1
             if frames_back := dissolves.add(image):
@@ -170,11 +177,13 @@ class ClipWalk:
                 num_away = 0 if guess is not None or across_scenes else num_away
             if num_away:
                 num_away += 1
+                face = None
                 yield frame, None
                 continue
             with self._timed(f"follow the {self.subject}"):
                 estimate = advance(frame, image, guess)
             num_lost = num_lost + 1 if estimate.held else 0
+            face = None if estimate.held else place.at(estimate.camera_from_head)
             if guess is not None and estimate.held:
                 self.strangers.append(frame)
             yield frame, estimate
@@ -208,8 +217,8 @@ class ClipWalk:
     def notes(self, rows: Rows, about: Iterable[str] = ()) -> list[str]:
         """Notes on the clip, the fit, the capture (`about`), and how it went.
 
-        The last: an early stop, held frames, where another face was seen. The summary has all of
-        it too.
+        The last: an early stop, cuts, held frames, where another face was seen. The summary has all
+        of it too.
         """
         notes = [*self.footage.warnings, *self.fit.warnings, *about]
         if self.summary.stopped:
@@ -217,6 +226,7 @@ class ClipWalk:
                 f"stopped by the user: frames {rows.frame[0]} to {rows.frame[-1]} "
                 f"of {self.frames[0]} to {self.frames[1]}"
             )
+        notes += notes_on_cuts([cut for cut in self._cuts if rows.frame[0] < cut <= rows.frame[-1]])
         num_held = int(np.sum(np.array(rows.quality) < HELD_QUALITY))
         if num_held:
             notes.append(
@@ -278,6 +288,17 @@ def proved(
         else:
             yield frame, estimate
     yield from ((earlier, None) for earlier, _ in waiting)
+
+
+def notes_on_cuts(frames: Collection[int]) -> list[str]:
+    """One note on the frames with which other scenes start, if there are any."""
+    if not frames:
+        return []
+    named = [str(frame) for frame in sorted(frames)]
+    shown, num_more = named[:MOST_NAMED], len(named) - MOST_NAMED
+    last = f"{num_more} more" if num_more > 0 else shown.pop()
+    where = f"frames {', '.join(shown)} and {last}" if shown else f"frame {last}"
+    return [f"the clip is cut at {where}: each scene is smoothed by itself"]
 
 
 def notes_on_strangers(frames: list[int]) -> list[str]:
