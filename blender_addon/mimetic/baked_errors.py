@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from bpy.app.translations import pgettext_iface as iface_
 
-from . import native, scene_in, scene_out, shown_take, takes
+from . import native, performance_files, scene_in, scene_out, shown_take, takes
 from .scene_out import gaze
 
 MOST = 8  # selected curves that are told of: more would hide each other
@@ -53,7 +53,7 @@ def of_selected(context) -> BakedErrors | str:
     except native.known_errors() as error:
         return str(error)
     is_same_part = (performance.frame[0], performance.frame[-1]) == (row.first, row.last)
-    if not is_same_part or not takes.holds(take.path, row):
+    if not is_same_part or not performance_files.holds(take.path, row):
         return iface_("{file} holds another capture than {take} was baked from").format(
             file=row.performance, take=row.name
         )

@@ -10,7 +10,16 @@ from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProper
 from . import compat
 
 
-class MimeticCapturedTake(bpy.types.PropertyGroup):
+class NamesCapture:
+    """Mixin of what names a performance file, by a `performance_path`."""
+
+    performance_folder: StringProperty(
+        description="What // stood for as that was written, the whole path of the .blend's folder"
+    )
+    capture: StringProperty(description="Digest of what was measured, as that file had it then")
+
+
+class MimeticCapturedTake(NamesCapture, bpy.types.PropertyGroup):
     """A captured take; its name is its file's, without what all end in."""
 
     performance_path: StringProperty(
@@ -32,7 +41,7 @@ class MimeticCapturedTake(bpy.types.PropertyGroup):
     num_corrected: IntProperty(description="Frames that a person corrected, as it has them")
 
 
-class KeepsCapturedTakes:
+class KeepsCapturedTakes(NamesCapture):
     """Mixin of what belongs to footage."""
 
     performance_path: StringProperty(

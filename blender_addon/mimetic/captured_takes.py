@@ -145,7 +145,8 @@ def _note(record, path: str, facts) -> None:
     if row is None:
         row = rows.add()
         row.name = _free_name(record, path)
-    row.performance_path = record.performance_path
+    row.performance_path, row.capture = record.performance_path, record.capture
+    row.performance_folder = record.performance_folder
     row.first, row.last = facts.first, facts.last
     row.quality, row.num_lost = facts.quality, facts.num_held
     row.focal_mm, row.num_corrected = facts.focal_mm, facts.num_corrected

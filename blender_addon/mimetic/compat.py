@@ -19,6 +19,12 @@ STRIP_NAME_BYTES = 63  # at most, of a strip of the NLA
 RELATIVE_PATH = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
 
 
+def imports() -> list[list]:
+    """Lists of functions that are called after linking and appending; none before Blender 4.3."""
+    called = getattr(bpy.app.handlers, "blend_import_post", None)
+    return [] if called is None else [called]
+
+
 def use_nodes(owner: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
     """The node tree of a material or world, switched on where that is still a choice."""
     if not NODES_ARE_ALWAYS_USED:

@@ -298,6 +298,7 @@ class MimeticScene(
     FaceViewSettings,
     ClipOverlaySettings,
     correction_settings.CorrectionSettings,
+    captured_rows.NamesCapture,
     bpy.types.PropertyGroup,
 ):
     clip: PointerProperty(

@@ -18,6 +18,7 @@ from bpy.props import (
 )
 
 from . import compat
+from .captured_rows import NamesCapture
 from .writable import KEPT, KEPT_ROWS
 
 
@@ -42,7 +43,7 @@ class MimeticLostRange(bpy.types.PropertyGroup):
     last: FloatProperty(description="Scene frame with which it ends")
 
 
-class MimeticTake(bpy.types.PropertyGroup):
+class MimeticTake(NamesCapture, bpy.types.PropertyGroup):
     """A bake of a captured take; its name is the baked take's."""
 
     clip: StringProperty(name="Clip", description="The footage that it was captured from")
@@ -52,7 +53,6 @@ class MimeticTake(bpy.types.PropertyGroup):
         options={"ANIMATABLE", *compat.RELATIVE_PATH},
         description="That file (.npz) as it was baked",
     )
-    capture: StringProperty(description="Digest of what was measured, as that file had it then")
     footage: StringProperty(description="Fingerprint of that footage, if it is known")
     first: IntProperty(name="First", description="Footage frame")
     last: IntProperty(name="Last", description="Footage frame")

@@ -3,32 +3,22 @@
 is a baked take: `take_rows`.)
 
 The .blend names a take's file relative to itself, so that both may move together, also when it is
-saved elsewhere. A file that is not where it was is looked for beside the .blend.
+saved elsewhere. A file that is not where it was is looked for beside the .blend. What came from
+another .blend names files relative to that one: so it is noted which folder was meant and what the
+file held, and no other capture in a file of the same name is taken for it.
 """
 
 from __future__ import annotations
 
-import hashlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
-import numpy as np
 from bpy.app.handlers import persistent
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from . import clips, handlers, native
-
-MEASURED = (
-    "frame",
-    "activations",
-    "activations_std",
-    "articulator_values",
-    "articulator_values_std",
-    "confounded_with",
-    "quality",
-)
+from . import clips, compat, handlers, native, performance_files
 
 
 @dataclass(frozen=True)
@@ -105,7 +95,7 @@ def _new_file(folder: Path, stem: str, kind: str) -> str:
 
 def load(take: Take):
     """The take's Performance; raises what it raises, and InvalidInput if it is another clip's."""
-    performance = _read(take.path)
+    performance = performance_files.read(take.path)
     if not performance.is_of(take.fingerprint):
         raise native.invalid_input(
             rpt_(
@@ -118,7 +108,7 @@ def load(take: Take):
 
 def load_edited(path: str, curves: dict | None):
     """A Performance with its curves edited by the fields of a CurveSettings, if there are any."""
-    performance = _read(path)
+    performance = performance_files.read(path)
     parts = native.curve_settings()
     return parts.edited(performance, parts.CurveSettings(**(curves or {})))
 
@@ -138,7 +128,7 @@ def keep(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None, path: str):
     """Makes a file the take that is used, of a clip, or of the scene while it has no clip; returns
     what holds its path. `captured_takes.keep` lists it, too."""
     holder = scene.mimetic if clip is None else clips.ensure(clip)
-    holder.performance_path = _relative(os.path.abspath(path), bpy.data.filepath)
+    _note_file(holder, os.path.abspath(path))
     return holder
 
 
@@ -153,87 +143,22 @@ def name_of(holder) -> str:
 
 
 def find(holder) -> str:
-    """Where the file is that a holder names, there or, if it is of the holder's footage, beside
-    the .blend; "" if it is missing."""
-    path = path_of(holder)
-    if os.path.isfile(path) or not bpy.data.filepath:
-        return path if os.path.isfile(path) else ""
+    """Where the file is that a holder names, there or, if it is of the holder's footage and holds
+    the capture that was noted, beside the .blend; "" if it is missing."""
+    path = _in_place(holder)
+    if path or not bpy.data.filepath:
+        return path
     beside = bpy.path.abspath(f"//{name_of(holder)}")
-    return beside if os.path.isfile(beside) and _is_of(beside, _footage_of(holder)) else ""
-
-
-@dataclass(frozen=True)
-class _Content:
-    """What is remembered of a file that was read."""
-
-    footage: str  # fingerprint of its footage, "" if it is not known
-    capture: str  # `capture_of`
-
-
-_seen: dict[str, tuple] = {}  # file: its state when read, and its content, None if it has none
-
-
-def _state(path: str) -> tuple[int, int] | None:
-    try:
-        facts = os.stat(path)
-    except OSError:  # reading it says why
-        return None
-    return facts.st_mtime_ns, facts.st_size
-
-
-def _read(path: str):
-    state = _state(path)
-    performance = native.performances().Performance.load(path)
-    footage = performance.footage[1] if performance.footage else ""
-    _seen[path] = state, _Content(footage, capture_of(performance))
-    return performance
-
-
-def _content(path: str) -> _Content | None:
-    """Of a file that may have been read before; None of one that cannot be."""
-    state = _state(path)
-    if path not in _seen or _seen[path][0] != state:  # panels ask at every drawing
-        try:
-            _read(path)
-        except native.known_errors():
-            _seen[path] = state, None
-    return _seen[path][1]
-
-
-def _is_of(path: str, fingerprint: str) -> bool:
-    """Whether a file is a take of the footage with a fingerprint, as far as either is known."""
-    if not fingerprint:
-        return True
-    content = _content(path)
-    return content is not None and content.footage in ("", fingerprint)
-
-
-def capture_of(performance) -> str:
-    """Digest of what a `mimetic.performance.Performance` has measured: the values of each frame,
-    how far these may be off, and where the face was lost."""
-    digest = hashlib.sha256()
-    for name in MEASURED:
-        values = getattr(performance, name)
-        digest.update(name.encode())
-        if values is not None:
-            digest.update(np.ascontiguousarray(values).tobytes())
-    return digest.hexdigest()
-
-
-def holds(path: str, row) -> bool:
-    """Whether a file has what a baked take (`take_rows.MimeticTake`) was made from, as far as that
-    is known."""
-    content = _content(path)
-    return not row.capture or (content is not None and content.capture == row.capture)
+    if not os.path.isfile(beside) or not performance_files.holds(beside, holder):
+        return ""
+    return beside if performance_files.is_of(beside, _footage_of(holder)) else ""
 
 
 def note_baked(row, path: str) -> None:
     """Has a baked take remember the file that it is made from."""
     path = os.path.abspath(path)
-    content = _content(path)
     row.performance = native.shown_text().shown(Path(path).name)
-    row.performance_path = _relative(path, bpy.data.filepath)
-    row.capture = content.capture if content else ""
+    _note_file(row, path)
 
 
 def of_baked(row) -> Take | None:
@@ -242,7 +167,7 @@ def of_baked(row) -> Take | None:
     the first of them; None if there is none."""
     found = _named_as(row)
     if len(found) > 1:
-        found.sort(key=lambda take: not holds(take.path, row))
+        found.sort(key=lambda take: not performance_files.holds(take.path, row))
     return next(iter(found), None)
 
 
@@ -282,18 +207,26 @@ def place(holder, path: str) -> bool:
         load(Take(path, holder.id_data.name, _footage_of(holder)))
     except native.known_errors():
         return False
-    holder.performance_path = _relative(path, bpy.data.filepath)
+    _note_file(holder, path)
     return True
 
 
 def _holders() -> list:
     """Everything in the .blend itself that may name a take: what is used, and the lists' rows."""
-    holders = [scene.mimetic for scene in bpy.data.scenes if not scene.library]
-    for clip in bpy.data.movieclips:
-        if not clip.library:
-            holders += clip.mimetic.footage
-            holders += [row for record in clip.mimetic.footage for row in record.captured]
-    return holders
+    blocks = [*bpy.data.scenes, *bpy.data.movieclips]
+    return [holder for block in blocks if not block.library for holder in _holders_of(block)]
+
+
+def _holders_of(block: bpy.types.ID) -> list:
+    """What of a scene, clip or object may name a performance file."""
+    if isinstance(block, bpy.types.Scene):
+        return [block.mimetic]
+    if isinstance(block, bpy.types.Object):
+        return list(block.mimetic.takes)
+    if not isinstance(block, bpy.types.MovieClip):
+        return []
+    records = list(block.mimetic.footage)
+    return records + [row for record in records for row in record.captured]
 
 
 def _footage_of(holder) -> str:
@@ -306,8 +239,43 @@ def _footage_of(holder) -> str:
 
 def path_of(holder) -> str:
     """Where the file that a holder names should be."""
-    path = bpy.path.abspath(holder.performance_path, library=holder.id_data.library)
-    return os.path.normpath(path)
+    return _in_place(holder) or _places(holder)[0]
+
+
+def _in_place(holder, library: bpy.types.Library | None = None) -> str:
+    """The file that a holder names where that says it is, "" if it is not there.
+
+    library: which the holder comes from, of one that was just appended
+    """
+    holder = _original(holder) or holder
+    places = _places(holder, library)
+    if len(places) == 1:
+        return places[0] if os.path.isfile(places[0]) else ""
+    # The .blend was moved with its files, or this came from another: as what the file holds says
+    here = (place for place in places if os.path.isfile(place))
+    return next((place for place in here if performance_files.holds(place, holder)), "")
+
+
+def _places(holder, library: bpy.types.Library | None = None) -> list[str]:
+    """Where the file may be that a holder names: as seen from the .blend that the holder is in,
+    and from where it was named."""
+    holder = _original(holder) or holder
+    name, folder = holder.performance_path, holder.performance_folder
+    places = [bpy.path.abspath(name, library=library or holder.id_data.library)]
+    if folder:
+        places.append(bpy.path.abspath(name, start=folder))
+    return list(dict.fromkeys(map(os.path.normpath, places)))
+
+
+def _original(row):
+    """The row of the linked file that an override's baked take comes from, or None."""
+    override = row.id_data.override_library
+    if not override or not override.reference or not isinstance(row.id_data, bpy.types.Object):
+        return None
+    original = override.reference.mimetic.takes.get(row.name)
+    if original is None or original.capture != row.capture:
+        return None
+    return _original(original) or original
 
 
 def _relative(path: str, blend: str) -> str:
@@ -322,6 +290,21 @@ def _relative(path: str, blend: str) -> str:
         return path
 
 
+def _note_file(holder, path: str) -> None:
+    """Has a holder name a file as it is now."""
+    content = performance_files.content_of(path)
+    holder.capture = content.capture if content else ""
+    _name_as(holder, path, bpy.data.filepath)
+
+
+def _name_as(holder, path: str, blend: str) -> None:
+    name, folder = _relative(path, blend), os.path.dirname(blend)
+    if holder.performance_path != name:
+        holder.performance_path = name
+    if holder.performance_folder != folder:
+        holder.performance_folder = folder
+
+
 _references: list[tuple] = []  # while the .blend is saved: what named a take, and its file
 
 
@@ -330,8 +313,15 @@ def name_from_new_place(blend: str, *_) -> None:
     """Before saving: takes are named as seen from where the .blend will be."""
     for clip in bpy.data.movieclips:
         clips.settle(clip)
-    _references[:] = [(h, find(h) or path_of(h)) for h in _holders() if h.performance_path]
-    _references.extend((row, path_of(row)) for row in _baked_rows() if row.performance_path)
+    holders = [(holder, find(holder)) for holder in _holders() if holder.performance_path]
+    for holder, path in holders:
+        if path and (not holder.capture or performance_files.was_read(path)):
+            _note_file(holder, path)  # of an earlier version, or written anew by others
+    rows = [row for row in _baked_rows() if row.performance_path and not _original(row)]
+    holders += [(row, _in_place(row)) for row in rows]
+    # Of one that may be in either of two places, and is in neither, both are still to be known
+    holders = [(h, path or path_of(h)) for h, path in holders if path or len(_places(h)) == 1]
+    _references[:] = holders
     _name(blend)
 
 
@@ -344,14 +334,32 @@ def name_from_own_place(*_) -> None:
 
 def _name(blend: str) -> None:
     for holder, path in _references:
-        name = _relative(path, blend)
-        if holder.performance_path != name:
-            holder.performance_path = name
+        _name_as(holder, path, blend)
 
 
 @persistent
 def open_file(*_) -> None:
     clips.migrate()
+    for block in (*bpy.data.scenes, *bpy.data.movieclips, *bpy.data.objects):
+        if block.library:
+            _name_whole(block, block.library)
+
+
+@persistent
+def name_imported(imported, *_) -> None:
+    """After linking and appending: files are named as seen from this .blend."""
+    for item in imported.import_items:
+        if item.id and item.source_library and item.append_action != "REUSE_LOCAL":
+            _name_whole(item.id, item.source_library)
+
+
+def _name_whole(block: bpy.types.ID, library: bpy.types.Library) -> None:
+    """Has what comes from another .blend name its files by whole paths, which are right as well
+    once linked data is made local; saving makes them relative."""
+    for holder in _holders_of(block):
+        if holder.performance_path and not _original(holder):
+            path = _in_place(holder, library) or _places(holder, library)[0]
+            _name_as(holder, path, "")
 
 
 HANDLERS = (
@@ -359,6 +367,7 @@ HANDLERS = (
     (bpy.app.handlers.save_post, name_from_own_place),
     (bpy.app.handlers.save_post_fail, name_from_own_place),
     (bpy.app.handlers.load_post, open_file),
+    *((called, name_imported) for called in compat.imports()),
 )
 
 
