@@ -15,9 +15,9 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import blender_module
+from rigify_body import SKULL
 
 EYES = ("ORG-eye.L", "ORG-eye.R")
-SKULL = "DEF-spine.006"
 IDLE = 1, 240  # frames in which the body moves
 # Parts that are stiff, and the deform bones that carry them: of the new face, else of the legacy
 STIFF = {
@@ -63,7 +63,7 @@ def new_character(has_new_face: bool, has_body: bool = False):
     import head_scene
     from mimetic.character.foreign_mesh import REQUIRED
     from mimetic.template.face_template import load_template
-    from rigify_body import add_body
+    from rigify_body import add_body, deformed_by, is_limb
     from rigify_rig import generate_rig
 
     rig = generate_rig(with_face=True, has_new_face=has_new_face, with_body=has_body)
@@ -82,7 +82,8 @@ def new_character(has_new_face: bool, has_body: bool = False):
     head.select_set(True)
     rig.select_set(True)
     bpy.context.view_layer.objects.active = rig
-    bpy.ops.object.parent_set(type="ARMATURE_AUTO")
+    with deformed_by(rig, lambda name: not is_limb(name)):
+        bpy.ops.object.parent_set(type="ARMATURE_AUTO")
     _stiffen(head, rig, template)
     return head, rig
 

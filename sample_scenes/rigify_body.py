@@ -4,8 +4,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 BLEND = "Body"
+SKULL = "DEF-spine.006"
 # Of the bones' deform copies: metres, the radius of the limb round each
 RADII = {
     **{r"spine(\.00[1-3])?$": 0.14, r"spine\.00[45]$": 0.055, "shoulder": 0.075},
@@ -44,11 +47,31 @@ def add_body(rig):
     body.name = body.data.name = BLEND
     bpy.ops.object.shade_smooth()
     _select(body, rig)
-    bpy.ops.object.parent_set(type="ARMATURE_AUTO")
+    with deformed_by(rig, lambda name: name == SKULL or _radius(name) > 0):
+        bpy.ops.object.parent_set(type="ARMATURE_AUTO")
     cloth = bpy.data.materials.new("Cloth")
     cloth.diffuse_color = (0.09, 0.13, 0.22, 1.0)
     body.data.materials.append(cloth)
     return body
+
+
+@contextmanager
+def deformed_by(rig, is_near: Callable[[str], bool]) -> Iterator[None]:
+    """While it lasts bones that are not near a mesh deform none: each one's automatic weights
+    take long, even if they are none."""
+    far = [bone for bone in rig.data.bones if bone.use_deform and not is_near(bone.name)]
+    for bone in far:
+        bone.use_deform = False
+    try:
+        yield
+    finally:
+        for bone in far:
+            bone.use_deform = True
+
+
+def is_limb(name: str) -> bool:
+    """Whether a bone is of the body, below the spine's upper end."""
+    return _radius(name) > 0 and not name.startswith("DEF-spine")
 
 
 def animate(rig, first: int, last: int) -> None:

@@ -17,9 +17,7 @@ UNIT = 0.01  # metres in the object's unit: modelled in centimetres, scaled in t
 
 @pytest.fixture
 def head(parts):
-    """With a hole in the forehead."""
-    points, faces, _ = parts
-    return new_head(points, np.delete(faces, HOLE, axis=0).tolist())
+    return new_head(parts[0], parts[1].tolist())
 
 
 def landmark_file(extension, folder) -> str:
@@ -69,10 +67,11 @@ def offsets_of(head, name) -> np.ndarray:
 
 
 @pytest.mark.oldest_and_newest
-def test_a_head_by_empties_gets_the_muscles_of_our_own(parts, head, extension, capfd):
+def test_a_head_by_empties_gets_the_muscles_of_our_own(parts, extension, capfd):
     from mimetic.character.canonical_head import make_head
     from mimetic.character.placement import to_object
 
+    head = new_head(parts[0], np.delete(parts[1], HOLE, axis=0).tolist())
     put_landmarks(head, parts)
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
     output = capfd.readouterr().out

@@ -30,14 +30,18 @@ def untouched(performance) -> np.ndarray:
     return free
 
 
-def test_a_blend_opens_with_face_curves_camera_and_footage(
-    performance, performance_file, footage, tmp_path
-):
-    out = tmp_path / "face.blend"
+@pytest.fixture(scope="module")
+def baked(performance_file, footage, tmp_path_factory) -> Path:
+    """A .blend that the command wrote, to be opened."""
+    out = tmp_path_factory.mktemp("baked") / "face.blend"
     ran = run_bake(performance_file, "--out", out, "--footage", footage)
     assert ran.returncode == 0, ran.stderr
-    assert list(tmp_path.iterdir()) == [out]
-    bpy.ops.wm.open_mainfile(filepath=str(out))
+    assert list(out.parent.iterdir()) == [out]
+    return out
+
+
+def test_a_blend_opens_with_face_curves_camera_and_footage(performance, baked, footage):
+    bpy.ops.wm.open_mainfile(filepath=str(baked))
     scene = bpy.context.scene
     assert (scene.render.fps, scene.render.fps_base) == (25, 1.0)
     assert (scene.render.resolution_x, scene.render.resolution_y) == (400, 300)
@@ -62,57 +66,69 @@ def test_a_blend_opens_with_face_curves_camera_and_footage(
     assert bpy.data.images["Face Skin"].packed_file
 
 
-def test_a_blend_opens_with_a_control_object_that_plays(performance, performance_file, tmp_path):
+def test_a_blend_opens_with_a_control_object_that_plays(sheet, sheet_file, tmp_path):
     out = tmp_path / "face.blend"
-    ran = run_bake(performance_file, "--out", out, "--control-object")
+    ran = run_bake(sheet_file, "--out", out, "--control-object")
     assert ran.returncode == 0, ran.stderr
     bpy.ops.wm.open_mainfile(filepath=str(out))
     control = bpy.data.objects["Face Controls"]
     assert control.animation_data.action.name == "take"
     bpy.context.scene.frame_set(20)
     keys = bpy.data.objects["Face"].data.shape_keys.key_blocks
-    actual = [keys[name].value for name in performance.muscles]
-    np.testing.assert_allclose(actual, performance.activations[19], atol=1e-5)
+    actual = [keys[name].value for name in sheet.muscles]
+    np.testing.assert_allclose(actual, sheet.activations[19], atol=1e-5)
 
 
 @pytest.mark.oldest_and_newest
-def test_a_blend_has_curves_that_were_edited_as_asked(performance, performance_file, tmp_path):
+def test_a_blend_has_curves_that_were_edited_as_asked(sheet, sheet_file, tmp_path):
     from mimetic.character.curve_settings import CurveSettings, edited, parse_factors
 
     out = tmp_path / "face.blend"
     options = ["--smooth-curves", "0.08", "--neutral", "4", "--exaggerate"]
     factors = ["1.5", "lip-corners=0.5"]
-    ran = run_bake(performance_file, "--out", out, *options, *factors)
+    ran = run_bake(sheet_file, "--out", out, *options, *factors)
     assert ran.returncode == 0, ran.stderr
     bpy.ops.wm.open_mainfile(filepath=str(out))
     bpy.context.scene.frame_set(20)
     face = bpy.data.objects["Face"]
     settings = CurveSettings(0.08, 4, parse_factors(factors))
-    expected = edited(performance, settings).activations[19]
+    expected = edited(sheet, settings).activations[19]
     keys = face.data.shape_keys.key_blocks
-    actual = [keys[name].value for name in performance.muscles]
+    actual = [keys[name].value for name in sheet.muscles]
     np.testing.assert_allclose(actual, expected, atol=1e-5)
-    assert np.abs(expected - performance.activations[19]).max() > 0.1
+    assert np.abs(expected - sheet.activations[19]).max() > 0.1
     (row,) = face.mimetic.takes
     assert (row.first, row.last, row.settings) == (1, 40, "by mimetic bake")
 
 
 @pytest.mark.oldest_and_newest
-def test_a_glb_is_written(performance_file, tmp_path):
+def test_a_glb_is_written(sheet_file, tmp_path):
     out = tmp_path / "face.glb"
-    ran = run_bake(performance_file, "--out", out)
+    ran = run_bake(sheet_file, "--out", out)
     assert ran.returncode == 0, ran.stderr
     assert out.read_bytes()[:4] == b"glTF"
 
 
-@pytest.mark.parametrize("suffix", [".glb", ".fbx", ".usdc", ".blend"])
+@pytest.mark.parametrize(
+    ("suffix", "performance_of", "size"),
+    [
+        (".glb", "sheet_file", 20_000),
+        (".fbx", "sheet_file", 20_000),
+        (".usdc", "performance_file", 1_000_000),
+        (".blend", "performance_file", 1_000_000),
+    ],
+    ids=[".glb", ".fbx", ".usdc", ".blend"],
+)
 @pytest.mark.newest
-def test_what_the_disk_refuses_gets_status_1_and_a_reason(performance_file, tmp_path, suffix):
+def test_what_the_disk_refuses_gets_status_1_and_a_reason(
+    request, tmp_path, suffix, performance_of, size
+):
+    performance_file = request.getfixturevalue(performance_of)
     out = tmp_path / f"face{suffix}"
     out.write_bytes(b"before")
     ran = subprocess.run(
         [sys.executable, "-m", "mimetic", "bake", performance_file, "--out", out],
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000)),
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
         capture_output=True,
         text=True,
         check=False,
@@ -161,6 +177,7 @@ def test_names_that_are_no_text_are_baked(performance_file, footage, tmp_path, s
         *("damaged", "footage", "python"),
     ],
 )
+@pytest.mark.newest
 def test_bad_input_gets_status_2_and_one_line(arguments, said, performance_file, tmp_path):
     text = tmp_path / "text.npz"
     text.write_text("not an archive")
@@ -338,11 +355,8 @@ def test_footage_lies_behind_what_a_targets_own_camera_sees(
 
 
 @pytest.mark.oldest_and_newest
-def test_a_blend_opens_in_a_view_that_shows_it(performance_file, footage, tmp_path):
-    out = tmp_path / "face.blend"
-    ran = run_bake(performance_file, "--out", out, "--footage", footage)
-    assert ran.returncode == 0, ran.stderr
-    bpy.ops.wm.open_mainfile(filepath=str(out), load_ui=True)
+def test_a_blend_opens_in_a_view_that_shows_it(baked):
+    bpy.ops.wm.open_mainfile(filepath=str(baked), load_ui=True)
     areas = bpy.context.window_manager.windows[0].screen.areas
     spaces = {area.type: area.spaces.active for area in areas}
     view = spaces["VIEW_3D"]

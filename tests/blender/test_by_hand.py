@@ -24,14 +24,24 @@ def sculpt(key, vertex: int = 100) -> np.ndarray:
     return points(key)
 
 
-@pytest.fixture
-def bake(extension, scene, performance):
+def baked(extension, scene, performance):
     def again(taken=performance, **options):
         scene.render.fps = 25
         return extension("scene_out").bake(scene, taken, "take", **options)
 
     again()
     return again
+
+
+@pytest.fixture
+def bake(extension, scene, sheet):
+    return baked(extension, scene, sheet)
+
+
+@pytest.fixture
+def bake_head(extension, scene, performance):
+    """The same of our own head, which has paint and contact."""
+    return baked(extension, scene, performance)
 
 
 @pytest.fixture
@@ -45,23 +55,23 @@ def keys(face):
 
 
 @pytest.fixture(scope="module")
-def other(performance):
+def other(sheet):
     """The same shapes with more in them, of a head that is a little larger."""
     return dataclasses.replace(
-        performance,
-        neutral_vertices=performance.neutral_vertices * 1.01,
-        muscle_modes=performance.muscle_modes * 1.2,
-        articulator_values=performance.articulator_values * 1.5,
+        sheet,
+        neutral_vertices=sheet.neutral_vertices * 1.01,
+        muscle_modes=sheet.muscle_modes * 1.2,
+        articulator_values=sheet.articulator_values * 1.5,
     )
 
 
 @pytest.fixture(scope="module")
-def detailed(performance):
+def detailed(sheet):
     random = np.random.default_rng(5)
     return dataclasses.replace(
-        performance,
-        detail_modes=performance.muscle_modes[:3] * 40,
-        detail_coefficients=0.02 * random.normal(size=(performance.num_frames, 3)),
+        sheet,
+        detail_modes=sheet.muscle_modes[:3] * 40,
+        detail_coefficients=0.02 * random.normal(size=(sheet.num_frames, 3)),
     )
 
 
@@ -180,7 +190,7 @@ def test_the_users_own_keys_and_drivers_stay(bake, face, keys, other, detailed):
         assert keys["Brow Raisers"].mute
 
 
-def test_reset_undoes_it_all(bake, face, keys, performance):
+def test_reset_undoes_it_all(bake, face, keys, sheet):
     before = {key.name: points(key) for key in keys}
     sculpt(keys["Basis"])
     sculpt(keys[SCULPTED])
@@ -221,19 +231,20 @@ def test_an_exported_plain_take_is_as_small_as_if_there_never_was_detail(
     assert sizes[1] == pytest.approx(sizes[0], rel=0.01)
 
 
-def test_contact_off_turns_contact_off(extension, bake, face, keys, performance):
+def test_contact_off_turns_contact_off(bake_head, scene, performance):
     from mimetic.character.contact_shapes import contact_shapes
 
-    shapes = contact_shapes(performance)
-    bake(contact_shapes=shapes)
+    face = scene.mimetic.face
+    keys = face.data.shape_keys.key_blocks
+    bake_head(contact_shapes=contact_shapes(performance))
     assert face.mimetic.use_contact and "contact" in keys
-    bake(contact_shapes=None)
+    bake_head(contact_shapes=None)
     assert not face.mimetic.use_contact
     assert not [key.name for key in keys if key.name.startswith("contact")]
 
 
-def test_the_button_says_what_was_kept_and_resets(scene, performance_file, capfd):
-    scene.mimetic.performance_path = str(performance_file)
+def test_the_button_says_what_was_kept_and_resets(scene, sheet_file, capfd):
+    scene.mimetic.performance_path = str(sheet_file)
     bpy.ops.mimetic.bake()
     key = scene.mimetic.face.data.shape_keys.key_blocks[SCULPTED]
     before = points(key)
@@ -254,12 +265,13 @@ def appearance(performance, footage):
 
 
 @pytest.mark.parametrize("how", ["painted", "painted and packed", "exchanged"])
-def test_a_picture_that_was_painted_on_stays(bake, face, appearance, how):
-    bake(appearance=appearance)
+def test_a_picture_that_was_painted_on_stays(bake_head, scene, appearance, how):
+    face = scene.mimetic.face
+    bake_head(appearance=appearance)
     tree = face.data.materials["Face Skin"].node_tree
     node = next(node for node in tree.nodes if node.type == "TEX_IMAGE")
     first = node.image
-    assert bake(appearance=appearance).kept == ""
+    assert bake_head(appearance=appearance).kept == ""
     assert node.image != first  # the new take's
     if how == "exchanged":
         node.image = bpy.data.images.new("mine", 8, 8)
@@ -268,9 +280,11 @@ def test_a_picture_that_was_painted_on_stays(bake, face, appearance, how):
         if "packed" in how:
             node.image.pack()
     mine = node.image
-    assert bake(appearance=appearance).kept == "kept as changed by hand: the picture of Face Skin"
+    assert (
+        bake_head(appearance=appearance).kept == "kept as changed by hand: the picture of Face Skin"
+    )
     assert node.image == mine
-    bake(appearance=appearance, is_reset=True)
+    bake_head(appearance=appearance, is_reset=True)
     assert (node.image == mine) == (how == "exchanged")  # nothing says whose node it is
 
 

@@ -15,17 +15,15 @@ from test_clips import films  # noqa: F401 # a fixture
 
 
 @pytest.fixture
-def captured(scene, films, performance, tmp_path):  # noqa: F811
+def captured(scene, films, sheet, tmp_path):  # noqa: F811
     """A clip with two captured takes, of which the second, corrected and shorter, is used."""
     bpy.ops.mimetic.load_clip(filepath=str(films[0]))
     quality = np.ones(40)
     quality[[4, 5, 6]] = 0.1
-    first = dataclasses.replace(
-        performance, quality=quality, notes=["calibrated to this person: skin"]
-    )
+    first = dataclasses.replace(sheet, quality=quality, notes=["calibrated to this person: skin"])
     first.save(tmp_path / "anna.performance.npz")
     corrections = ['{"frame": 7, "values": {"jaw_open": {"value": 0.4, "std": 0.03}}, "reach": 8}']
-    second = dataclasses.replace(performance, corrections=corrections)
+    second = dataclasses.replace(sheet, corrections=corrections)
     second.save(tmp_path / "anna.002.performance.npz")
     for name in ("anna.performance.npz", "anna.002.performance.npz"):
         bpy.ops.mimetic.load_performance(filepath=str(tmp_path / name))
@@ -144,12 +142,12 @@ def test_bake_and_refine_wait_behind_a_capture(extension, captured, monkeypatch)
 
 @pytest.mark.newest
 def test_a_take_whose_file_is_read_only_is_saved_elsewhere_and_why_is_told(
-    extension, performance, tmp_path
+    extension, sheet, tmp_path
 ):
     path = tmp_path / "mine.npz"
     path.write_bytes(b"mine")
     path.chmod(0o444)
     takes = extension("takes")
-    spare, (note, *_) = takes.save(performance, takes.new_take("clip.mp4", str(path)))
+    spare, (note, *_) = takes.save(sheet, takes.new_take("clip.mp4", str(path)))
     assert path.read_bytes() == b"mine" and Path(spare).is_file() and spare != str(path)
     assert "mine.npz is read-only" in note and "None" not in note

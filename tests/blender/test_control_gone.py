@@ -33,14 +33,14 @@ def assert_shown(face, expected, near=CLOSE) -> None:
 
 
 def test_a_face_whose_control_object_was_deleted_bakes_before_its_footage(
-    scene, bake, performance, tmp_path
+    scene, bake, sheet, tmp_path
 ):
-    expected = shown(bake(performance))
+    expected = shown(bake(sheet))
     bpy.data.objects.remove(scene.mimetic.face)
-    face = bake(performance, to="CONTROLS")
+    face = bake(sheet, to="CONTROLS")
     scene.frame_set(12)
     delete(control_of(face), face)
-    bake(performance)
+    bake(sheet)
     assert face.parent is None and face.parent_type == "OBJECT"
     assert_shown(face, expected, METRES)
     path = str(tmp_path / "saved.blend")
@@ -49,8 +49,8 @@ def test_a_face_whose_control_object_was_deleted_bakes_before_its_footage(
     assert_shown(bpy.context.scene.mimetic.face, expected, METRES)
 
 
-def test_a_new_one_in_place_of_a_deleted_one_moves_the_face(scene, bake, performance):
-    face = bake(performance, to="CONTROLS")
+def test_a_new_one_in_place_of_a_deleted_one_moves_the_face(scene, bake, sheet):
+    face = bake(sheet, to="CONTROLS")
     scene.frame_set(12)
     delete(control_of(face), face)
     expected = world_at(face, 12)
@@ -60,8 +60,8 @@ def test_a_new_one_in_place_of_a_deleted_one_moves_the_face(scene, bake, perform
         np.testing.assert_allclose(world_at(face, frame), expected, atol=1e-6)
 
 
-def test_the_motion_of_strips_is_kept(bake, performance):
-    face = bake(performance, to="CONTROLS", use_strips=True)
+def test_the_motion_of_strips_is_kept(bake, sheet):
+    face = bake(sheet, to="CONTROLS", use_strips=True)
     (strip,) = control_of(face).animation_data.nla_tracks[0].strips
     action, expected = strip.action, shown(face)
     assert bpy.ops.mimetic.remove_control_object() == {"FINISHED"}
@@ -93,8 +93,8 @@ def put_into_a_collection(face) -> bpy.types.Collection:
 
 
 @pytest.mark.parametrize("how", SWITCHES)
-def test_the_motion_of_a_face_that_is_switched_off_is_kept(bake, performance, how):
-    face = bake(performance, to="CONTROLS")
+def test_the_motion_of_a_face_that_is_switched_off_is_kept(bake, sheet, how):
+    face = bake(sheet, to="CONTROLS")
     expected, collection = shown(face), put_into_a_collection(face)
     switch(face, how, False)
     assert bpy.ops.mimetic.remove_control_object() == {"FINISHED"}
@@ -105,8 +105,8 @@ def test_the_motion_of_a_face_that_is_switched_off_is_kept(bake, performance, ho
 
 
 @pytest.mark.parametrize("how", SWITCHES)
-def test_a_face_that_is_switched_off_stays_where_it_stands(scene, bake, performance, how):
-    face = bake(performance, to="CONTROLS")
+def test_a_face_that_is_switched_off_stays_where_it_stands(scene, bake, sheet, how):
+    face = bake(sheet, to="CONTROLS")
     put_into_a_collection(face)
     expected = world_at(face, 30)
     scene.frame_set(12)
@@ -118,11 +118,11 @@ def test_a_face_that_is_switched_off_stays_where_it_stands(scene, bake, performa
 
 
 @pytest.mark.parametrize("how", SWITCHES)
-def test_a_face_that_is_switched_off_gets_a_control_object(bake, performance, how):
-    face = bake(performance)
+def test_a_face_that_is_switched_off_gets_a_control_object(bake, sheet, how):
+    face = bake(sheet)
     expected, collection = shown(face), put_into_a_collection(face)
     switch(face, how, False)
-    bake(performance, to="CONTROLS")
+    bake(sheet, to="CONTROLS")
     assert control_of(face).users_collection == (collection,)
     switch(face, how, True)
     assert_shown(face, expected, METRES)

@@ -18,9 +18,9 @@ CLOSE = 2e-6  # metres, where both ways round single precision
 
 
 @pytest.fixture
-def face(extension, scene, performance):
+def face(extension, scene, sheet):
     """The performance's face with a control object that plays it."""
-    return baked(extension, scene, performance, use_controls=True)
+    return baked(extension, scene, sheet, use_controls=True)
 
 
 def baked(extension, scene, performance, **options):
@@ -71,15 +71,15 @@ def test_a_take_is_one_action_with_the_clips_name(extension, face):
     assert face.animation_data is None or face.animation_data.action is None
 
 
-def test_an_existing_action_is_not_touched(extension, scene, performance):
-    face = baked(extension, scene, performance)
+def test_an_existing_action_is_not_touched(extension, scene, sheet):
+    face = baked(extension, scene, sheet)
     before = curves_of(extension, face.data.shape_keys)
     own = face.data.shape_keys.animation_data.action, face.animation_data.action
-    baked(extension, scene, performance, use_controls=True)
+    baked(extension, scene, sheet, use_controls=True)
     assert all(action.name in bpy.data.actions and action.use_fake_user for action in own)
     first = control_of(face).animation_data.action
     count = len(extension("compat").curves_in(first))
-    baked(extension, scene, performance, use_controls=True)  # a second take beside the first
+    baked(extension, scene, sheet, use_controls=True)  # a second take beside the first
     assert control_of(face).animation_data.action != first
     assert len(extension("compat").curves_in(first)) == count
     face.mimetic.control_object.animation_data.action = None
@@ -196,9 +196,9 @@ def test_a_duplicate_of_the_same_mesh_is_not_released(face):
     assert face.data.shape_keys.animation_data.drivers
 
 
-def test_a_deleted_one_is_told_and_the_face_bakes_again(scene, face, performance_file, capfd):
+def test_a_deleted_one_is_told_and_the_face_bakes_again(scene, face, sheet_file, capfd):
     bpy.data.objects.remove(control_of(face))
-    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    bpy.ops.mimetic.load_performance(filepath=str(sheet_file))
     bpy.context.view_layer.objects.active = face
     assert bpy.ops.mimetic.bake(use_contact=False) == {"FINISHED"}
     assert "was deleted" in capfd.readouterr().out
@@ -210,8 +210,8 @@ def test_a_deleted_one_is_told_and_the_face_bakes_again(scene, face, performance
     assert np.abs(np.array([key.value for key in keys.key_blocks]) - start).max() > 0.1
 
 
-def test_shape_keys_are_not_keyed_while_it_drives_them(scene, face, performance_file):
-    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+def test_shape_keys_are_not_keyed_while_it_drives_them(scene, face, sheet_file):
+    bpy.ops.mimetic.load_performance(filepath=str(sheet_file))
     bpy.context.view_layer.objects.active = face
     with pytest.raises(RuntimeError, match="driven by Face Controls"):
         bpy.ops.mimetic.bake(to="KEYS", use_contact=False)
@@ -219,28 +219,28 @@ def test_shape_keys_are_not_keyed_while_it_drives_them(scene, face, performance_
     assert control_of(face).animation_data.action.name.startswith("take")
 
 
-def test_a_renamed_key_is_driven_on(extension, scene, face, performance):
+def test_a_renamed_key_is_driven_on(extension, scene, face, sheet):
     control = control_of(face)
     name = of_the_muscles(control)
     face.data.shape_keys.key_blocks[name].name = "Mine"
-    baked(extension, scene, performance, use_controls=True)
+    baked(extension, scene, sheet, use_controls=True)
     assert scene.mimetic.face == face
     assert "Mine" in extension("scene_out.control_drivers").keys_driven(face)
     scene.frame_set(9)
-    value = performance.activations[8, performance.muscles.index(name)]
+    value = sheet.activations[8, sheet.muscles.index(name)]
     assert face.data.shape_keys.key_blocks["Mine"].value == pytest.approx(value, abs=1e-5)
 
 
-def test_a_key_with_a_driver_of_ones_own_is_told(scene, performance, extension):
-    face = baked(extension, scene, performance)
+def test_a_key_with_a_driver_of_ones_own_is_told(scene, sheet, extension):
+    face = baked(extension, scene, sheet)
     face.data.shape_keys.animation_data.action = None
-    name = performance.muscles[0]
+    name = sheet.muscles[0]
     face.data.shape_keys.driver_add(f'key_blocks["{name}"].value')
     bpy.context.view_layer.objects.active = face
     with pytest.raises(RuntimeError, match=f"Drivers of your own set {name} of Face"):
         bpy.ops.mimetic.add_control_object()
     with pytest.raises(ValueError, match=f"Drivers of your own set {name} of Face"):
-        baked(extension, scene, performance, use_controls=True)
+        baked(extension, scene, sheet, use_controls=True)
     assert control_of(face) is None
     assert face.data.shape_keys.animation_data.action is None
 
@@ -317,8 +317,8 @@ def test_what_would_not_be_seen_is_refused(scene, face, tmp_path):
     assert (tmp_path / "face.glb").stat().st_size > 1e5
 
 
-def test_each_step_is_one_undo_step(scene, performance, extension):
-    baked(extension, scene, performance).data.shape_keys.animation_data.action = None
+def test_each_step_is_one_undo_step(scene, sheet, extension):
+    baked(extension, scene, sheet).data.shape_keys.animation_data.action = None
     bpy.context.view_layer.objects.active = scene.mimetic.face
     bpy.ops.ed.undo_push(message="before")
     bpy.ops.mimetic.add_control_object()

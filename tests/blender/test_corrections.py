@@ -175,6 +175,7 @@ def test_one_thing_that_is_stated_is_taken_back(extension, captured, performance
     assert kept(extension, captured) == ()
 
 
+@pytest.mark.newest
 def test_corrections_live_in_the_file_and_in_its_next_capture(extension, captured, scene, tmp_path):
     bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.5, frame=6)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))

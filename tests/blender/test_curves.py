@@ -16,8 +16,8 @@ LEFT, RIGHT = "muscle_00.L", "muscle_00.R"
 
 
 @pytest.fixture(params=["KEYS", "CONTROLS"])
-def face(request, extension, scene, performance):
-    face = baked(extension, scene, performance, use_controls=request.param == "CONTROLS")
+def face(request, extension, scene, sheet):
+    face = baked(extension, scene, sheet, use_controls=request.param == "CONTROLS")
     bpy.context.view_layer.objects.active = face
     return face
 
@@ -85,13 +85,11 @@ def test_lids_are_smoothed_where_they_are_asked_for_alone(extension, face):
 
 
 @pytest.mark.parametrize("rate", RATES)
-def test_smoothing_is_the_same_at_every_scene_rate(extension, scene, performance, rate):
+def test_smoothing_is_the_same_at_every_scene_rate(extension, scene, sheet, rate):
     jitter = 0.05 * (-1.0) ** np.arange(40)[:, None]
-    shaken = dataclasses.replace(
-        performance, activations=np.clip(performance.activations + jitter, 0, 1)
-    )
+    shaken = dataclasses.replace(sheet, activations=np.clip(sheet.activations + jitter, 0, 1))
     face = baked_at(extension, scene, shaken, rate)
-    at = 1 + rate[0] / rate[1] / performance.fps * np.arange(40)
+    at = 1 + rate[0] / rate[1] / sheet.fps * np.arange(40)
     raw = values(extension, face, LEFT, at)
     assert bpy.ops.mimetic.smooth_curves(seconds=0.1) == {"FINISHED"}
     parts = extension("native").curve_settings()
@@ -100,9 +98,9 @@ def test_smoothing_is_the_same_at_every_scene_rate(extension, scene, performance
     assert np.abs(values(extension, face, LEFT, at) - expected)[5:-5].max() < 0.003
 
 
-def test_few_keys_are_smoothed_as_dense_ones_are_between_them_too(extension, scene, performance):
+def test_few_keys_are_smoothed_as_dense_ones_are_between_them_too(extension, scene, sheet):
     events = np.interp(np.arange(40), [0, 12, 16, 36, 39], [0, 0, 0.4, 0.5, 0.5])
-    moved = dataclasses.replace(performance, activations=np.repeat(events[:, None], 36, axis=1))
+    moved = dataclasses.replace(sheet, activations=np.repeat(events[:, None], 36, axis=1))
     face = baked_at(extension, scene, moved, (25, 1.0))
     assert bpy.ops.mimetic.reduce_keys(tolerance=0.02) == {"FINISHED"}
     before = keyed(extension, face, LEFT)
@@ -244,9 +242,9 @@ def test_few_keys_are_mixed_exactly(extension, face):
 
 
 @pytest.mark.parametrize("rate", RATES)
-def test_twice_as_long_plays_the_same_later_with_the_head(extension, scene, performance, rate):
-    face = baked_at(extension, scene, performance, rate)
-    at = 1 + rate[0] / rate[1] / performance.fps * np.arange(40)
+def test_twice_as_long_plays_the_same_later_with_the_head(extension, scene, sheet, rate):
+    face = baked_at(extension, scene, sheet, rate)
+    at = 1 + rate[0] / rate[1] / sheet.fps * np.arange(40)
     before = {shape: values(extension, face, shape, at) for shape in rows(extension, face)}
     head = extension("compat").curves(face).fcurves[0]
     places = [head.evaluate(frame) for frame in at]
@@ -302,28 +300,28 @@ def test_one_undo_takes_an_edit_back(extension, face):
     np.testing.assert_array_equal(keyed(extension, face, LEFT), before)
 
 
-def test_a_bake_edits_curves_as_it_keys_them(extension, scene, performance, performance_file):
-    scene.mimetic.performance_path = str(performance_file)
+def test_a_bake_edits_curves_as_it_keys_them(extension, scene, sheet, sheet_file):
+    scene.mimetic.performance_path = str(sheet_file)
     options = {"smoothing": 0.1, "neutral_frame": 5, "exaggeration": 1.5}
     options["group_exaggeration"] = "Lip Corners=0.5"
     assert bpy.ops.mimetic.bake(**options, mirror="SWAP") == {"FINISHED"}
     parts = extension("native").curve_settings()
-    expected = parts.edited(performance, parts.settings_of(*options.values(), "swap"))
+    expected = parts.edited(sheet, parts.settings_of(*options.values(), "swap"))
     face = scene.mimetic.face
-    for name, column in zip(performance.muscles, expected.activations.T, strict=True):
+    for name, column in zip(sheet.muscles, expected.activations.T, strict=True):
         np.testing.assert_allclose(keyed(extension, face, name)[:, 1], column, atol=1e-6)
     with pytest.raises(RuntimeError, match="neutral frame 400 is not in the performance"):
         bpy.ops.mimetic.bake(neutral_frame=400)
 
 
-def test_the_panel_has_every_edit_and_greyed_ones_say_why(extension, scene, performance):
+def test_the_panel_has_every_edit_and_greyed_ones_say_why(extension, scene, sheet):
     operators = [name for name in dir(bpy.ops.mimetic) if name.endswith("_curves")]
     assert len(operators) == 5
     for name in (*operators, "reduce_keys"):
         assert not getattr(bpy.ops.mimetic, name).poll()
         with pytest.raises(RuntimeError, match="Press Bake or Add Face"):
             getattr(bpy.ops.mimetic, name)()
-    bpy.context.view_layer.objects.active = baked(extension, scene, performance)
+    bpy.context.view_layer.objects.active = baked(extension, scene, sheet)
     texts = drawn("MIMETIC_PT_curves")
     assert "keys" in texts
     for name in (*operators, "reduce_keys"):

@@ -14,10 +14,10 @@ TOLD = "'s sliders are those of {}, too, as they share a mesh"
 
 
 @pytest.fixture
-def actors(performance):
+def actors(sheet):
     """What was captured of Anna, and of Ben."""
     return [
-        dataclasses.replace(performance, footage=[f"{name}.mp4", f"1-{name[0] * 64}"])
+        dataclasses.replace(sheet, footage=[f"{name}.mp4", f"1-{name[0] * 64}"])
         for name in ("anna", "ben")
     ]
 
@@ -68,17 +68,17 @@ def test_a_copy_to_compare_by_takes_no_bake_of_the_footage(scene, copied, bake, 
 
 
 @pytest.fixture
-def twin(bake, performance):
+def twin(bake, sheet):
     """The duplicate with linked data (Alt D) of a baked face, active."""
-    select(bake(performance))
+    select(bake(sheet))
     assert bpy.ops.object.duplicate(linked=True) == {"FINISHED"}
     select(bpy.context.active_object)
     return bpy.context.active_object
 
 
-def test_linked_data_is_told_by_what_moves_both(scene, twin, bake, performance):
+def test_linked_data_is_told_by_what_moves_both(scene, twin, bake, sheet):
     told = twin.name + TOLD.format(scene.mimetic.face.name)
-    bake(performance, "again")
+    bake(sheet, "again")
     assert rows(twin) == ["hero", "again"]
     for name, take in (("play_take", "hero"), ("remove_take", "again")):
         assert told in result()["message"]
@@ -86,15 +86,15 @@ def test_linked_data_is_told_by_what_moves_both(scene, twin, bake, performance):
     assert told in result()["message"]
 
 
-def test_data_of_its_own_is_told_by_nothing(twin, bake, performance):
+def test_data_of_its_own_is_told_by_nothing(twin, bake, sheet):
     twin.data = twin.data.copy()
-    bake(performance, "again")
+    bake(sheet, "again")
     assert rows(twin) == ["hero", "again"] and TOLD[:12] not in result()["message"]
     bpy.ops.mimetic.play_take(take="hero")
     assert TOLD[:12] not in result()["message"]
 
 
-def test_a_duplicate_that_was_deleted_is_not_told(twin, scene, bake, performance):
+def test_a_duplicate_that_was_deleted_is_not_told(twin, scene, bake, sheet):
     face = scene.mimetic.face
     scene.collection.objects.unlink(twin)
     select(face)

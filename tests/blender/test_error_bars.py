@@ -13,12 +13,12 @@ OFF = 1.645 * 0.1
 
 
 @pytest.fixture
-def captured(performance):
+def captured(sheet):
     """Lost in frame 31; the first muscle is not told from the second in frames 11 to 20."""
     confounded, quality = np.full((40, 36), -1), np.ones(40)
     confounded[10:20, 0], confounded[10:20, 1], quality[30] = 1, 0, 0.1
     return dataclasses.replace(
-        performance,
+        sheet,
         activations_std=np.full((40, 36), 0.1),
         confounded_with=confounded,
         quality=quality,

@@ -16,29 +16,29 @@ import pytest
 
 SUFFIXES = (".fbx", ".usdc", ".abc")
 FRAMES = (1, 4, 8)
+ROWS = range(16, 24)  # eight frames in which jaw and lids go below 0 and the head turns
 FPS = 25
 # Metres that a vertex may be off after the way through a file
 NEAR = {".fbx": 2e-6, ".usdc": 2e-6, ".abc": 2e-7}
 
 
-def cut(performance):
-    """Eight of its frames, in which jaw and lids go below 0 and the head turns."""
-    rows = slice(16, 24)
+def cut(performance, rows):
+    """Some of its frames, one after the other."""
     fields = ("head_pose", "head_pose_cov", "activations", "activations_std", "quality")
     fields += ("articulator_values",)
     values = {name: np.asarray(getattr(performance, name))[rows] for name in fields}
-    return dataclasses.replace(performance, frame=np.arange(1, 9), **values)
+    return dataclasses.replace(performance, frame=1 + np.arange(len(rows)), **values)
 
 
 @pytest.fixture(scope="session")
 def short(performance):
-    return cut(performance)
+    return cut(performance, ROWS)
 
 
 @pytest.fixture(scope="session")
 def hero(acted, tmp_path_factory):
     """The same of muscles that heads have; its file."""
-    short = cut(acted[0])
+    short = cut(acted[0], ROWS)
     path = tmp_path_factory.mktemp("hero") / "hero.npz"
     short.save(path)
     return short, path

@@ -10,9 +10,9 @@ KEY = "mimetic.face_as_lines"
 
 
 @pytest.fixture
-def baked(scene, footage, performance_file):
+def baked(scene, footage, sheet_file):
     bpy.ops.mimetic.load_clip(filepath=str(footage))
-    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    bpy.ops.mimetic.load_performance(filepath=str(sheet_file))
     scene.render.fps = 25
     bpy.ops.mimetic.bake(use_texture=False)
     return scene.mimetic
@@ -145,13 +145,13 @@ def shadings() -> list:
 
 @pytest.mark.parametrize("light", ["STUDIO", "MATCAP"])
 def test_solid_mode_shows_the_face_as_filmed_unless_a_light_was_chosen(
-    scene, footage, light, performance_file
+    scene, footage, light, sheet_file
 ):
     assert shadings()
     for shading in shadings():
         shading.light = light
     bpy.ops.mimetic.load_clip(filepath=str(footage))
-    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    bpy.ops.mimetic.load_performance(filepath=str(sheet_file))
     bpy.ops.mimetic.bake(use_texture=False)
     assert {shading.color_type for shading in shadings()} == {"TEXTURE"}
     expected = "FLAT" if light == "STUDIO" else light

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from test_exports import FPS, FRAMES, NEAR, cut, read, world_vertices
+from test_exports import FPS, FRAMES, NEAR, ROWS, cut, read, world_vertices
 from test_gltf import MOTION_METRES, furthest_from_nearest
 from test_head_parts import NAMES, rows, split  # noqa: F401
 
@@ -16,7 +16,7 @@ def played(extension, scene, split, acted):  # noqa: F811
     """The head and its parts in a take, in which jaw_side goes below 0 and the eyes turn."""
     scene.render.fps = FPS
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
-    short = cut(acted[0])
+    short = cut(acted[0], ROWS)
     assert short.articulator_values[:, 1].min() < -0.1
     extension("scene_out.bound").bake(scene, short, "take", split)
     keys = split.data.shape_keys

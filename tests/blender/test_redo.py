@@ -65,17 +65,17 @@ class Case:
     others: dict = field(default_factory=dict)  # that its settings are changed to
 
 
-def with_face(fixture, **options) -> None:
+def with_face(fixture, of="performance_file", **options) -> None:
     """A face that was baked before, seen by a camera that has a place of its own."""
     scene = bpy.context.scene
-    scene.mimetic.performance_path = str(fixture("performance_file"))
+    scene.mimetic.performance_path = str(fixture(of))
     assert bpy.ops.mimetic.bake(**options) == {"FINISHED"}
     scene.mimetic.camera.matrix_world = STANDS
 
 
 def with_plain_face(fixture) -> None:
     """For what reads its curves alone."""
-    with_face(fixture, use_contact=False, use_texture=False)
+    with_face(fixture, "sheet_file", use_contact=False, use_texture=False)
 
 
 def with_takes(fixture) -> None:
@@ -113,10 +113,14 @@ def with_looks(fixture) -> None:
     assert bpy.ops.mimetic.add_usual_looks() == {"FINISHED"}
 
 
-def with_control_object(fixture) -> None:
+def with_control_object(fixture, of="sheet_file") -> None:
     """A face that a control object drives by a take of its own."""
-    bpy.context.scene.mimetic.performance_path = str(fixture("performance_file"))
+    bpy.context.scene.mimetic.performance_path = str(fixture(of))
     assert bpy.ops.mimetic.bake(to="CONTROLS") == {"FINISHED"}
+
+
+def with_own_head_and_control_object(fixture) -> None:
+    with_control_object(fixture, "performance_file")
 
 
 def with_captured(fixture) -> None:
@@ -157,7 +161,7 @@ def with_landmarks(fixture) -> None:
 def with_rig(fixture) -> None:
     scene, rig = bpy.context.scene, fixture("rig")  # noqa: F811
     rig.matrix_world = STANDS @ Matrix.Scale(2, 4)
-    scene.mimetic.performance_path = str(fixture("performance_file"))
+    scene.mimetic.performance_path = str(fixture("sheet_file"))
     scene.mimetic.head.target = rig
 
 
@@ -168,7 +172,7 @@ def with_moving_rig(fixture) -> None:
 
 def with_empty(fixture) -> None:
     """Held by a parent and as filmed by a camera."""
-    with_face(fixture)
+    with_plain_face(fixture)
     scene = bpy.context.scene
     parent, target = (bpy.data.objects.new(name, None) for name in ("parent", "target"))
     for added in (parent, target):
@@ -182,7 +186,7 @@ def with_empty(fixture) -> None:
 
 def with_clip(fixture) -> None:
     bpy.ops.mimetic.load_clip(filepath=str(fixture("footage")))
-    bpy.ops.mimetic.load_performance(filepath=str(fixture("performance_file")))
+    bpy.ops.mimetic.load_performance(filepath=str(fixture("sheet_file")))
     bpy.context.scene.frame_set(7)
 
 
@@ -243,7 +247,7 @@ MOTION = {"kind": "MOTION", "frame_first": 1, "frame_last": 20}
 CASES = [
     Case("bake", with_face),
     Case("bake", with_bound_head),
-    Case("bake", with_control_object),
+    Case("bake", with_own_head_and_control_object),
     Case("add_control_object", with_sliders),
     Case("remove_control_object", with_control_object),
     Case("bake_head", with_rig),

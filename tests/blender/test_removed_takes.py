@@ -8,12 +8,10 @@ from last_result import result
 
 @pytest.mark.skipif(bpy.app.version < (5, 0), reason="our properties are among the user's own")
 @pytest.mark.parametrize("is_used", [False, True])
-def test_actions_go_with_a_take_in_spite_of_copies_of_an_earlier_version(
-    bake, performance, is_used
-):
+def test_actions_go_with_a_take_in_spite_of_copies_of_an_earlier_version(bake, sheet, is_used):
     """Blender 5 copies our properties, and leaves them among the user's, in files of before."""
-    face = bake(performance)
-    bake(performance, "again")
+    face = bake(sheet)
+    bake(sheet, "again")
     actions = [part.action for row in face.mimetic.takes for part in row.parts]
     names = {part.action.name for part in face.mimetic.takes["hero"].parts}
     face["mimetic"] = {"takes": [{"parts": [{"action": action} for action in actions]}]}

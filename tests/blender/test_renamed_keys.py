@@ -17,14 +17,14 @@ OLD, NEW, NEWER = "muscle_00.L", 'Nose "mine"', "Nose"
 
 
 @pytest.fixture
-def weak(performance):
-    return dataclasses.replace(performance, activations=0.5 * performance.activations)
+def weak(sheet):
+    return dataclasses.replace(sheet, activations=0.5 * sheet.activations)
 
 
 @pytest.fixture
-def face(bake, performance, weak):
+def face(bake, sheet, weak):
     """Its take `again`, which is weak, plays; `hero` waits."""
-    face = bake(performance)
+    face = bake(sheet)
     bake(weak, "again")
     return face
 
@@ -33,33 +33,33 @@ def rename(face, old: str, new: str) -> None:
     face.data.shape_keys.key_blocks[old].name = new
 
 
-def check(scene, face, performance, name: str, share: float = 1.0) -> None:
+def check(scene, face, sheet, name: str, share: float = 1.0) -> None:
     for frame in (3, 20, 33):
-        expected = share * performance.activations[frame - 1, 0]
+        expected = share * sheet.activations[frame - 1, 0]
         assert value(scene, face, frame, name) == pytest.approx(expected, abs=1e-5)
 
 
-def test_a_take_that_waited_plays_the_renamed_key(scene, face, performance):
+def test_a_take_that_waited_plays_the_renamed_key(scene, face, sheet):
     rename(face, OLD, NEW)
-    check(scene, face, performance, NEW, 0.5)
+    check(scene, face, sheet, NEW, 0.5)
     for name, share in (("hero", 1.0), ("again", 0.5)):
         assert bpy.ops.mimetic.play_take(take=name) == {"FINISHED"}
         assert result()["message"] == f"{name} plays on Face"
-        check(scene, face, performance, NEW, share)
+        check(scene, face, sheet, NEW, share)
 
 
-def test_a_take_plays_a_key_that_was_renamed_again_and_again(scene, face, performance):
+def test_a_take_plays_a_key_that_was_renamed_again_and_again(scene, face, sheet):
     """Each take has the name of when it played last."""
     names = [OLD, "Nose 1", "Nose 2", "Nose 3", "Nose 4"]
     for (old, new), take in zip(itertools.pairwise(names), ("hero", "again") * 2, strict=True):
         rename(face, old, new)
         bpy.ops.mimetic.play_take(take=take)
-        check(scene, face, performance, new, 1.0 if take == "hero" else 0.5)
+        check(scene, face, sheet, new, 1.0 if take == "hero" else 0.5)
 
 
 @pytest.mark.parametrize("is_reset", [False, True])
 def test_a_take_plays_a_key_that_was_renamed_between_bakes(
-    scene, bake, face, performance, weak, is_reset
+    scene, bake, face, sheet, weak, is_reset
 ):
     rename(face, OLD, NEW)
     bake(weak, "third", reset_hand_changes=is_reset)
@@ -70,19 +70,19 @@ def test_a_take_plays_a_key_that_was_renamed_between_bakes(
             rename(face, name, newer)
         for take, share in (("hero", 1.0), ("again", 0.5), ("third", 0.5)):
             bpy.ops.mimetic.play_take(take=take)
-            check(scene, face, performance, newer, share)
+            check(scene, face, sheet, newer, share)
 
 
-def test_renamed_keys_are_blended_and_compared(scene, face, performance):
+def test_renamed_keys_are_blended_and_compared(scene, face, sheet):
     rename(face, OLD, NEW)
     bpy.ops.mimetic.compare_take(take="hero")
     twin = bpy.data.objects[result()["copy"]]
-    check(scene, twin, performance, NEW)
-    check(scene, face, performance, NEW, 0.5)
+    check(scene, twin, sheet, NEW)
+    check(scene, face, sheet, NEW, 0.5)
     bpy.data.objects.remove(twin)
     rename(face, NEW, NEWER)
     bpy.ops.mimetic.blend_takes(take="hero", influence=0.5)
-    check(scene, face, performance, NEWER, 0.75)
+    check(scene, face, sheet, NEWER, 0.75)
 
 
 def test_contact_of_a_take_plays_though_its_key_was_renamed(scene, bake, performance):
@@ -125,15 +125,15 @@ def test_a_key_that_is_gone_is_told(face):
     assert told in result()["message"] and "which again moves" in result()["message"]
 
 
-def test_a_name_alone_is_no_edit(extension, scene, bake, face, performance):
+def test_a_name_alone_is_no_edit(extension, scene, bake, face, sheet):
     rename(face, OLD, NEW)
     takes = extension("scene_out").take_list
     for name in ("hero", "again"):
         assert not takes.is_edited(face.mimetic.takes[name])
-    bake(performance, "third", replace_take=True)
+    bake(sheet, "third", replace_take=True)
     assert rows(face) == ["hero", "third"]
     assert playing(extension, face) == "third" and "again is replaced" in result()["message"]
-    check(scene, face, performance, NEW)
+    check(scene, face, sheet, NEW)
     rename(face, NEW, NEWER)
     assert not any(takes.is_edited(row) for row in face.mimetic.takes)
     bpy.ops.mimetic.play_take(take="hero")

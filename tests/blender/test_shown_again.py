@@ -26,13 +26,13 @@ def bake(**options) -> None:
 
 
 @pytest.fixture
-def view(performance_file, request):
+def view(sheet_file, request):
     """Of Blender's start-up scene; if not False, with a face in local view, as the cube would hide
     the footage."""
     bpy.ops.preferences.addon_disable(module=MODULE)
     bpy.ops.wm.read_factory_settings()
     enable()
-    bpy.context.scene.mimetic.performance_path = str(performance_file)
+    bpy.context.scene.mimetic.performance_path = str(sheet_file)
     bpy.ops.ed.undo_push(message="before")
     if getattr(request, "param", True):
         bake()

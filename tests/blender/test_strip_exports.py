@@ -14,8 +14,8 @@ NEAR = {".fbx": 2e-6, ".usdc": 2e-6, ".abc": 2e-7}
 
 
 @pytest.fixture
-def face(bake, performance):
-    return bake(performance, use_strips=True)
+def face(bake, sheet):
+    return bake(sheet, use_strips=True)
 
 
 def state_of(face) -> list:
@@ -25,7 +25,7 @@ def state_of(face) -> list:
     ]
 
 
-def test_gltf_has_the_weights_and_the_heads_motion(extension, scene, face, performance, tmp_path):
+def test_gltf_has_the_weights_and_the_heads_motion(extension, scene, face, sheet, tmp_path):
     from mimetic.character import gltf
 
     before, num_actions = state_of(face), len(bpy.data.actions)
@@ -38,8 +38,8 @@ def test_gltf_has_the_weights_and_the_heads_motion(extension, scene, face, perfo
     paths = {channel["target"]["path"] for channel in animation["channels"]}
     assert paths >= {"translation", "rotation", "weights"}
     _, weights, names = gltf.read_weights((tmp_path / "face.glb").read_bytes())
-    columns = [names.index(name) for name in performance.muscles]
-    np.testing.assert_allclose(weights[:, columns], performance.activations, atol=2e-3)
+    columns = [names.index(name) for name in sheet.muscles]
+    np.testing.assert_allclose(weights[:, columns], sheet.activations, atol=2e-3)
 
 
 @pytest.mark.parametrize("suffix", NEAR)

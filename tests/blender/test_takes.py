@@ -16,13 +16,17 @@ LEFT = "muscle_00.L"
 KINDS = ("KEYS", "CONTROLS")
 
 
-@pytest.fixture
-def other(performance):
-    """The same clip captured again, worse: half as strong, and lost for a while."""
+def worse(performance):
+    """The same clip captured again: half as strong, and lost for a while."""
     quality = np.ones(40)
     quality[[4, 5, 6, 30]] = 0.1
     activations = 0.5 * performance.activations
     return dataclasses.replace(performance, activations=activations, quality=quality)
+
+
+@pytest.fixture
+def other(sheet):
+    return worse(sheet)
 
 
 def value(scene, face, frame: int, name=LEFT) -> float:
@@ -66,8 +70,8 @@ def test_a_row_says_what_was_captured_how_well_and_how_it_was_baked(extension, b
 
 
 @pytest.mark.parametrize("to", KINDS)
-def test_each_take_plays_again_as_it_was_baked(extension, scene, bake, performance, other, to):
-    face = bake(performance, to=to)
+def test_each_take_plays_again_as_it_was_baked(extension, scene, bake, sheet, other, to):
+    face = bake(sheet, to=to)
     expected = {"hero": [evaluated_vertices(face, frame) for frame in (3, 20)]}
     bake(other, "again", to=to)
     expected["again"] = [evaluated_vertices(face, frame) for frame in (3, 20)]
@@ -81,9 +85,9 @@ def test_each_take_plays_again_as_it_was_baked(extension, scene, bake, performan
 
 
 @pytest.mark.parametrize("to", KINDS)
-def test_what_one_take_alone_moves_is_at_rest_in_others(scene, bake, performance, other, to):
+def test_what_one_take_alone_moves_is_at_rest_in_others(scene, bake, sheet, other, to):
     """A group's strength, keyed by hand in the first one."""
-    face = bake(performance, to=to)
+    face = bake(sheet, to=to)
     group = face.mimetic.groups[0].name
     if to == "KEYS":
         key = face.data.shape_keys.key_blocks[group]
@@ -107,15 +111,13 @@ def test_what_one_take_alone_moves_is_at_rest_in_others(scene, bake, performance
     assert value(scene, face, 9, group) == 0
 
 
-def test_contact_made_for_another_bake_rests_and_is_told(
-    extension, scene, bake, performance, other
-):
+def test_contact_made_for_another_bake_rests_and_is_told(extension, scene, bake, performance):
     face = bake(performance, use_contact=True)
     entries = [entry for entry in face.mimetic.shapes if entry.group == "Contact"]
     name = entries[0].name
     values = [value(scene, face, frame, name) for frame in range(1, 41)]
     assert np.ptp(values) > 0.01
-    bake(other, "again", use_contact=True)
+    bake(worse(performance), "again", use_contact=True)
     assert bpy.ops.mimetic.play_take(take="hero") == {"FINISHED"}
     assert "bake it again" in result()["message"]
     if name in face.data.shape_keys.key_blocks:
@@ -126,11 +128,11 @@ def test_contact_made_for_another_bake_rests_and_is_told(
 
 
 @pytest.mark.parametrize("to", KINDS)
-def test_edited_curves_are_kept_and_the_new_take_plays(extension, scene, bake, performance, to):
-    face = bake(performance, to=to)
+def test_edited_curves_are_kept_and_the_new_take_plays(extension, scene, bake, sheet, to):
+    face = bake(sheet, to=to)
     edit(extension, face)
     before = value(scene, face, 11)
-    bake(performance, "again", to=to)
+    bake(sheet, "again", to=to)
     assert rows(face) == ["hero", "again"]
     assert playing(extension, face) == "again"
     assert "hero was edited: it is kept in Baked Takes, again plays" in result()["message"]
@@ -140,24 +142,24 @@ def test_edited_curves_are_kept_and_the_new_take_plays(extension, scene, bake, p
     assert value(scene, face, 11) == pytest.approx(before, abs=1e-6)
 
 
-def test_an_edited_take_plays_on_or_goes_as_the_call_says(extension, scene, bake, performance):
-    face = bake(performance)
+def test_an_edited_take_plays_on_or_goes_as_the_call_says(extension, scene, bake, sheet):
+    face = bake(sheet)
     edit(extension, face)
     before = value(scene, face, 11)
-    bake(performance, "again", edited="KEEP")
+    bake(sheet, "again", edited="KEEP")
     assert playing(extension, face) == "hero"
     assert value(scene, face, 11) == pytest.approx(before, abs=1e-6)
     assert "hero was edited and plays on, again waits" in result()["message"]
     names = {action.name for action in bpy.data.actions}
-    bake(performance, "third", edited="REPLACE")
+    bake(sheet, "third", edited="REPLACE")
     assert rows(face) == ["again", "third"]
     assert playing(extension, face) == "third"
     assert "hero is replaced, edits and all" in result()["message"]
     assert {"hero muscles", "hero head"} <= names - {action.name for action in bpy.data.actions}
 
 
-def test_a_take_nobody_touched_is_replaced_where_asked_alone(extension, bake, performance, other):
-    face = bake(performance)
+def test_a_take_nobody_touched_is_replaced_where_asked_alone(extension, bake, sheet, other):
+    face = bake(sheet)
     bake(other)
     assert rows(face) == ["hero", "hero.002"]
     bake(other, replace_take=True)
@@ -166,8 +168,8 @@ def test_a_take_nobody_touched_is_replaced_where_asked_alone(extension, bake, pe
     assert "hero.002 is replaced" in result()["message"]
 
 
-def test_a_take_is_not_edited_by_saving_and_opening(extension, bake, performance, tmp_path):
-    face = bake(performance, use_few_keys=True)
+def test_a_take_is_not_edited_by_saving_and_opening(extension, bake, sheet, tmp_path):
+    face = bake(sheet, use_few_keys=True)
     name = face.name
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
@@ -182,10 +184,8 @@ def test_a_take_is_not_edited_by_saving_and_opening(extension, bake, performance
 
 
 @pytest.mark.parametrize("to", KINDS)
-def test_two_takes_stand_side_by_side_at_the_same_time(
-    extension, scene, bake, performance, other, to
-):
-    face = bake(performance, to=to)
+def test_two_takes_stand_side_by_side_at_the_same_time(extension, scene, bake, sheet, other, to):
+    face = bake(sheet, to=to)
     bake(other, "again", to=to)
     alone = {}
     for name in ("hero", "again"):
@@ -206,10 +206,8 @@ def test_two_takes_stand_side_by_side_at_the_same_time(
 
 @pytest.mark.parametrize("to", KINDS)
 @pytest.mark.parametrize("scale", [1, 0.01])
-def test_a_copy_stands_beside_under_a_parent_that_turns(
-    extension, scene, bake, performance, to, scale
-):
-    face = bake(performance, to=to)
+def test_a_copy_stands_beside_under_a_parent_that_turns(extension, scene, bake, sheet, to, scale):
+    face = bake(sheet, to=to)
     parent = bpy.data.objects.new("Root", None)
     scene.collection.objects.link(parent)
     parent.rotation_euler, parent.scale = (0, 0.3, 1.5), (scale,) * 3
@@ -224,22 +222,22 @@ def test_a_copy_stands_beside_under_a_parent_that_turns(
 
 @pytest.mark.parametrize("to", KINDS)
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
-def test_a_take_is_blended_over_another(extension, scene, bake, performance, other, to, share):
-    face = bake(performance, to=to)
+def test_a_take_is_blended_over_another(extension, scene, bake, sheet, other, to, share):
+    face = bake(sheet, to=to)
     bake(other, "again", to=to)
     options = {"take": "again", "over": "hero", "influence": share}
     assert bpy.ops.mimetic.blend_takes(**options) == {"FINISHED"}
-    mean = (1 - share) * performance.activations[:, 0] + share * other.activations[:, 0]
+    mean = (1 - share) * sheet.activations[:, 0] + share * other.activations[:, 0]
     for frame in (1, 7, 40):
         assert value(scene, face, frame) == pytest.approx(mean[frame - 1], abs=1e-5)
     bpy.ops.mimetic.play_take(take="hero")
-    assert value(scene, face, 7) == pytest.approx(performance.activations[6, 0], abs=1e-5)
+    assert value(scene, face, 7) == pytest.approx(sheet.activations[6, 0], abs=1e-5)
     tracks = face.data.shape_keys.animation_data.nla_tracks
     assert not len(tracks)
 
 
-def test_tracks_of_the_users_own_stay(extension, scene, bake, performance, other):
-    face = bake(performance)
+def test_tracks_of_the_users_own_stay(extension, scene, bake, sheet, other):
+    face = bake(sheet)
     animation = face.data.shape_keys.animation_data
     animation.nla_tracks.new().name = "mine"
     bake(other, "again")
@@ -250,25 +248,23 @@ def test_tracks_of_the_users_own_stay(extension, scene, bake, performance, other
 
 @pytest.mark.parametrize("to", KINDS)
 @pytest.mark.parametrize("rate", [(25, 1.0), (24000, 1001.0)])
-def test_a_bake_as_strips_plays_the_same(extension, scene, bake, performance, to, rate):
+def test_a_bake_as_strips_plays_the_same(extension, scene, bake, sheet, to, rate):
     scene.render.fps, scene.render.fps_base = round(rate[0] / rate[1]), 1.0
     scene.render.fps_base = scene.render.fps / (rate[0] / rate[1])
-    face = bake(performance, to=to)
+    face = bake(sheet, to=to)
     before = {frame: evaluated_vertices(face, frame) for frame in (1, 8, 35)}
-    bake(performance, "strips", to=to, use_strips=True)
+    bake(sheet, "strips", to=to, use_strips=True)
     assert playing(extension, face) == "strips"
     for frame, vertices in before.items():
         np.testing.assert_allclose(evaluated_vertices(face, frame), vertices, atol=2e-5)
-    bake(performance, "after", to=to)
+    bake(sheet, "after", to=to)
     assert rows(face) == ["hero", "strips", "after"]
     assert playing(extension, face) == "after"
 
 
-def test_lost_frames_are_marked_and_the_users_markers_stay(
-    extension, scene, bake, performance, other
-):
+def test_lost_frames_are_marked_and_the_users_markers_stay(extension, scene, bake, sheet, other):
     scene.timeline_markers.new("Lost", frame=3)
-    bake(performance)
+    bake(sheet)
     bake(other, "again", use_lost_markers=False)
     assert [marker.frame for marker in scene.timeline_markers] == [3]
     assert bpy.ops.mimetic.mark_lost(take="again") == {"FINISHED"}
@@ -284,9 +280,7 @@ def test_lost_frames_are_marked_and_the_users_markers_stay(
     assert bpy.ops.mimetic.unmark_lost() == {"CANCELLED"}
 
 
-def test_a_bake_marks_lost_frames_of_the_take_that_plays(
-    extension, scene, bake, performance, other
-):
+def test_a_bake_marks_lost_frames_of_the_take_that_plays(extension, scene, bake, sheet, other):
     def marked() -> list[int]:
         return [marker.frame for marker in scene.timeline_markers]
 
@@ -295,19 +289,17 @@ def test_a_bake_marks_lost_frames_of_the_take_that_plays(
     assert result()["num_ranges"] == 2
     assert "2 lost ranges are marked" in result()["message"]
     edit(extension, face)
-    bake(performance, "again", edited="KEEP")  # the edited one, which has lost frames, plays on
+    bake(sheet, "again", edited="KEEP")  # the edited one, which has lost frames, plays on
     assert sorted(marked()) == [5, 8, 31, 32]
-    bake(performance, "again")
+    bake(sheet, "again")
     assert marked() == []
     bake(other)
     bake(other, use_lost_markers=False)
     assert marked() == []
 
 
-def test_a_removed_take_leaves_no_actions_and_others_as_they_are(
-    extension, bake, performance, other
-):
-    face = bake(performance)
+def test_a_removed_take_leaves_no_actions_and_others_as_they_are(extension, bake, sheet, other):
+    face = bake(sheet)
     bake(other, "again")
     action = face.data.shape_keys.animation_data.action
     assert bpy.ops.mimetic.remove_take(take="hero") == {"FINISHED"}
@@ -321,12 +313,12 @@ def test_a_removed_take_leaves_no_actions_and_others_as_they_are(
         bpy.ops.mimetic.play_take(take="hero")
 
 
-def test_what_cannot_play_is_said_and_changes_nothing(extension, scene, bake, performance):
+def test_what_cannot_play_is_said_and_changes_nothing(extension, scene, bake, sheet):
     for name in ("play_take", "compare_take", "blend_takes", "remove_take", "mark_lost"):
         with pytest.raises(RuntimeError, match="press Bake first"):
             getattr(bpy.ops.mimetic, name)()
-    face = bake(performance)
-    bake(performance, "bones", to="CONTROLS")
+    face = bake(sheet)
+    bake(sheet, "bones", to="CONTROLS")
     with pytest.raises(RuntimeError, match="press Remove Control Object first"):
         bpy.ops.mimetic.play_take(take="hero")
     assert playing(extension, face) == "bones"
@@ -338,11 +330,10 @@ def test_what_cannot_play_is_said_and_changes_nothing(extension, scene, bake, pe
         bpy.ops.mimetic.play_take(take="hero")
 
 
-def test_two_actors_in_a_scene_have_their_own_takes(extension, scene, bake, performance):
+def test_two_actors_in_a_scene_have_their_own_takes(extension, scene, bake, sheet):
     marks = {actor: f"1-{actor * 64}" for actor in "ab"}
     actors = [
-        dataclasses.replace(performance, footage=[f"{actor}.mp4", mark])
-        for actor, mark in marks.items()
+        dataclasses.replace(sheet, footage=[f"{actor}.mp4", mark]) for actor, mark in marks.items()
     ]
     first = bake(actors[0], "anna")
     second = bake(actors[1], "ben")

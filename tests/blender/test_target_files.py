@@ -169,7 +169,7 @@ def test_eyeballs_of_a_head_become_nodes(scene, gazing, tmp_path):
     check_looks(performance, eyes)
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 def test_eyeballs_that_are_objects_become_nodes_and_arkits_names_stay(
     extension,
     scene,

@@ -27,8 +27,8 @@ def bake_at(extension, scene, performance, clip_rate, fps, fps_base, footage=Non
 
 
 @pytest.mark.parametrize(("clip_rate", "fps", "fps_base"), RATES)
-def test_keys_are_at_their_seconds(extension, scene, performance, clip_rate, fps, fps_base):
-    bake_at(extension, scene, performance, clip_rate, fps, fps_base)
+def test_keys_are_at_their_seconds(extension, scene, sheet, clip_rate, fps, fps_base):
+    bake_at(extension, scene, sheet, clip_rate, fps, fps_base)
     keys = scene.mimetic.face.data.shape_keys
     curve = extension("compat").curves(keys).fcurves[0]
     frames = np.array([point.co[0] for point in curve.keyframe_points])
@@ -37,27 +37,27 @@ def test_keys_are_at_their_seconds(extension, scene, performance, clip_rate, fps
     assert (scene.render.fps, scene.render.fps_base) == (fps, pytest.approx(fps_base))
 
 
-def test_the_clips_start_and_offset_count(extension, scene, performance, footage):
+def test_the_clips_start_and_offset_count(extension, scene, sheet, footage):
     clip = extension("scene_out").clip.load(scene, str(footage))
     clip.frame_start, clip.frame_offset = 101, 3
-    bake_at(extension, scene, performance, 25.0, 25, 1.0, clip)
+    bake_at(extension, scene, sheet, 25.0, 25, 1.0, clip)
     curve = extension("compat").curves(scene.mimetic.face.data.shape_keys).fcurves[0]
     assert curve.keyframe_points[3].co[0] == 101  # footage frame 4 is the clip's first
 
 
-def test_at_equal_rates_the_clip_itself_is_behind_the_face(extension, scene, performance, footage):
+def test_at_equal_rates_the_clip_itself_is_behind_the_face(extension, scene, sheet, footage):
     clip = extension("scene_out").clip.load(scene, str(footage))
-    bake_at(extension, scene, performance, 25.0, 25, 1.0, clip)
+    bake_at(extension, scene, sheet, 25.0, 25, 1.0, clip)
     (behind,) = scene.camera.data.background_images
     assert (behind.source, behind.clip, behind.frame_method) == ("MOVIE_CLIP", clip, "FIT")
 
 
 @pytest.mark.parametrize(("fps", "fps_base"), [(24, 1.0), (30, 1.001), (50, 1.0)])
 def test_at_other_rates_the_picture_behind_keeps_the_seconds(
-    extension, scene, performance, footage, fps, fps_base
+    extension, scene, sheet, footage, fps, fps_base
 ):
     clip = extension("scene_out").clip.load(scene, str(footage))
-    bake_at(extension, scene, performance, 25.0, fps, fps_base, clip)
+    bake_at(extension, scene, sheet, 25.0, fps, fps_base, clip)
     rate = fps / fps_base
     for frame in range(1, int(1.4 * rate)):
         scene.frame_set(frame)
@@ -67,11 +67,9 @@ def test_at_other_rates_the_picture_behind_keeps_the_seconds(
         assert shown == 1 + int(np.floor((frame - 1) / rate * 25 + 1e-6))
 
 
-def test_baking_at_the_clips_rate_again_shows_the_clip_again(
-    extension, scene, performance, footage
-):
+def test_baking_at_the_clips_rate_again_shows_the_clip_again(extension, scene, sheet, footage):
     clip = extension("scene_out").clip.load(scene, str(footage))
-    bake_at(extension, scene, performance, 25.0, 24, 1.0, clip)
-    bake_at(extension, scene, performance, 25.0, 25, 1.0, clip)
+    bake_at(extension, scene, sheet, 25.0, 24, 1.0, clip)
+    bake_at(extension, scene, sheet, 25.0, 25, 1.0, clip)
     (behind,) = scene.camera.data.background_images
     assert behind.source == "MOVIE_CLIP"

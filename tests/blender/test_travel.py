@@ -13,12 +13,12 @@ pytestmark = pytest.mark.newest
 
 
 @pytest.fixture
-def project(scene, films, performance, tmp_path):  # noqa: F811
+def project(scene, films, sheet, tmp_path):  # noqa: F811
     """A folder with a saved .blend, its clip and the clip's take."""
     folder = tmp_path / "project"
     folder.mkdir()
     shutil.copy(films[0], folder / "anna.mp4")
-    take_of(performance, films[0], folder / "take.npz")
+    take_of(sheet, films[0], folder / "take.npz")
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "shot.blend"))
     bpy.ops.mimetic.load_clip(filepath=str(folder / "anna.mp4"))
     bpy.ops.mimetic.load_performance(filepath=str(folder / "take.npz"))
@@ -82,12 +82,12 @@ def test_saving_elsewhere_keeps_the_way_to_the_take(project, take, tmp_path):
 def test_a_first_save_names_takes_from_the_blend(
     scene,
     films,  # noqa: F811
-    performance,
+    sheet,
     take,
     tmp_path,
 ):
     bpy.ops.mimetic.load_clip(filepath=str(films[0]))
-    path = take_of(performance, films[0], tmp_path / "take.npz")
+    path = take_of(sheet, films[0], tmp_path / "take.npz")
     bpy.ops.mimetic.load_performance(filepath=str(path))
     assert take()[0] == str(path)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "first.blend"))
@@ -107,14 +107,14 @@ def test_a_take_beside_the_blend_is_found(project, take, tmp_path):
     assert take() == ("//takes/take.npz", str(flat / "take.npz"))
 
 
-def test_another_clips_take_beside_the_blend_is_not_it(project, take, tmp_path, films, performance):  # noqa: F811
+def test_another_clips_take_beside_the_blend_is_not_it(project, take, tmp_path, films, sheet):  # noqa: F811
     """Each capture from the command line is called alike."""
     away = tmp_path / "away"
     away.mkdir()
     shutil.move(project / "take.npz", away)
     bpy.ops.mimetic.load_performance(filepath=str(away / "take.npz"))
     bpy.ops.wm.save_mainfile()
-    take_of(performance, films[1], project / "take.npz")
+    take_of(sheet, films[1], project / "take.npz")
     os.rename(away, tmp_path / "not mounted")
     assert take() == ("//../away/take.npz", "")
     bpy.ops.wm.save_mainfile()
@@ -122,14 +122,14 @@ def test_another_clips_take_beside_the_blend_is_not_it(project, take, tmp_path, 
     assert take() == ("//../away/take.npz", str(away / "take.npz"))
 
 
-def test_what_is_missing_is_asked_for(extension, project, take, tmp_path, films, performance):  # noqa: F811
+def test_what_is_missing_is_asked_for(extension, project, take, tmp_path, films, sheet):  # noqa: F811
     """By content: a take of that name of another clip is not taken, a renamed clip is."""
     assert not bpy.ops.mimetic.find_missing.poll()
     deep = tmp_path / "archive" / "2026" / "takes"
     wrong = tmp_path / "archive" / "2025"
     deep.mkdir(parents=True)
     wrong.mkdir()
-    take_of(performance, films[1], wrong / "take.npz")
+    take_of(sheet, films[1], wrong / "take.npz")
     shutil.move(project / "take.npz", deep)
     shutil.move(project / "anna.mp4", deep / "renamed.mp4")
     for button in (bpy.ops.mimetic.bake, bpy.ops.mimetic.hold_head_still):
@@ -147,7 +147,7 @@ def test_what_is_missing_is_asked_for(extension, project, take, tmp_path, films,
 
 
 @pytest.mark.parametrize("fps", [25, 24], ids=["the clip's rate", "another rate"])
-def test_a_bake_without_the_footage_writes_all_or_nothing(project, scene, fps, performance):
+def test_a_bake_without_the_footage_writes_all_or_nothing(project, scene, fps, sheet):
     scene = bpy.context.scene
     scene.render.fps = fps
     (project / "anna.mp4").unlink()

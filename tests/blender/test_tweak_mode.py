@@ -49,12 +49,12 @@ def test_buttons_close_open_strips_and_keep_what_was_edited(
     extension,
     scene,
     bake,
-    performance,
+    sheet,
     other,  # noqa: F811
     name,
     to,
 ):
-    face = bake(performance, to=to)
+    face = bake(sheet, to=to)
     bake(other, "again", to=to, use_strips=True)
     bpy.context.view_layer.objects.active = face
     open_strips(extension, face)
@@ -63,12 +63,12 @@ def test_buttons_close_open_strips_and_keep_what_was_edited(
     assert names
     assert getattr(bpy.ops.mimetic, name)(**BUTTONS[name]) == {"FINISHED"}
     close_strips(face)
-    unedited = 0.5 * performance.activations[10, 0]
+    unedited = 0.5 * sheet.activations[10, 0]
     if name == "compare_take":
         twin = bpy.data.objects[result()["copy"]]
         assert (playing(extension, face), playing(extension, twin)) == ("again", "hero")
         close_strips(twin)
-        assert value(scene, twin, 11) == pytest.approx(performance.activations[10, 0], abs=1e-5)
+        assert value(scene, twin, 11) == pytest.approx(sheet.activations[10, 0], abs=1e-5)
     if name == "remove_take":
         assert rows(face) == ["hero"]
         assert not blocks_of(extension, face)
@@ -79,7 +79,7 @@ def test_buttons_close_open_strips_and_keep_what_was_edited(
     if name == "blend_takes":
         assert {len(b.animation_data.nla_tracks) for b in blocks_of(extension, face)} == {2}
     if name == "play_take":
-        assert value(scene, face, 11) == pytest.approx(performance.activations[10, 0], abs=1e-5)
+        assert value(scene, face, 11) == pytest.approx(sheet.activations[10, 0], abs=1e-5)
     assert extension("scene_out").take_list.is_edited(face.mimetic.takes["again"])
     bpy.context.view_layer.objects.active = face
     assert bpy.ops.mimetic.play_take(take="again") == {"FINISHED"}
@@ -132,8 +132,8 @@ def test_an_expression_is_put_on_a_face_whose_strip_is_open(
 
 
 @pytest.mark.parametrize("to", KINDS)
-def test_why_curves_in_strips_cannot_be_edited_is_said(bake, performance, to):
-    face = bake(performance, to=to, use_strips=True)
+def test_why_curves_in_strips_cannot_be_edited_is_said(bake, sheet, to):
+    face = bake(sheet, to=to, use_strips=True)
     with pytest.raises(RuntimeError, match=r"curves lie in strips: open one in the NLA first"):
         bpy.ops.mimetic.smooth_curves()
     assert "Curves lie in NLA strips" in drawn("MIMETIC_PT_curves")

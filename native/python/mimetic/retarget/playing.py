@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import NoReturn
 
 import numpy as np
@@ -32,6 +33,7 @@ from mimetic.template.face_template import load_template
 MOVES = 1e-6  # of the mesh's extent: a control that displaces less on this mesh moves nothing of it
 DRIVEN = 5e-3  # of a control's range: a curve that stays below is none
 MOST_NAMED = 24  # in one list of a message
+KEPT = 4  # heads of which it is known what is seen of them
 MOST_FITS = 8  # that a preview keeps: one for each choice of controls that are on
 SHUTTING, PARTING = ("lid_upper.L", "lid_upper.R"), "jaw_open"  # sources that move rims
 # Share of what a muscle does by itself: below it no control stands for it; the fit leaves it out
@@ -290,8 +292,7 @@ def fit_of(
     surface: ControlSurface, options: _core.ControlFitOptions | None = None
 ) -> _core.ControlFit:
     """Of a character's controls to its muscles; lids and lips touch as muscles have them."""
-    weigh = _core.polygon_areas if surface.heeds_hidden else _core.seen_areas
-    areas = weigh(surface.points, *_polygons(surface))
+    areas = _areas(surface)
     return _core.ControlFit(
         surface.controls,
         surface.sources,
@@ -301,6 +302,23 @@ def fit_of(
         options or _core.ControlFitOptions(),
         _rims(surface, areas),
     )
+
+
+def _areas(surface: ControlSurface) -> Floats:
+    """V: what each vertex counts by."""
+    if surface.heeds_hidden:
+        return _core.polygon_areas(surface.points, *_polygons(surface))
+    polygons = (np.asarray(numbers, np.int32).tobytes() for numbers in _polygons(surface))
+    return _seen_areas(np.ascontiguousarray(surface.points, np.float64).tobytes(), *polygons)
+
+
+@lru_cache(maxsize=KEPT)
+def _seen_areas(points: bytes, starts: bytes, corners: bytes) -> Floats:
+    """As to look at a head from all sides takes longer than to fit its controls."""
+    polygons = (np.frombuffer(numbers, np.int32).tolist() for numbers in (starts, corners))
+    areas = _core.seen_areas(np.frombuffer(points).reshape(-1, 3), *polygons)
+    areas.flags.writeable = False
+    return areas
 
 
 def _rims(surface: ControlSurface, areas: Floats) -> _core.TiedVertices:
