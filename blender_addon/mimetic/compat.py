@@ -12,6 +12,11 @@ ACTIONS_HAVE_SLOTS = bpy.app.version >= (4, 4, 0)
 NODES_ARE_ALWAYS_USED = bpy.app.version >= (5, 0, 0)
 COMPOSITOR_IS_A_GROUP = bpy.app.version >= (5, 0, 0)
 SEQUENCES_ARE_STRIPS = bpy.app.version >= (4, 4, 0)
+# Of a compositor's nodes, the size of what is rendered; before 4.4 that of the whole picture
+RENDER_SIZE_IS_CROPPED = bpy.app.version >= (4, 4, 0)
+# Whether they move a picture by half of its pixel where its side is odd and the result's is not, or
+# the other way round
+PIXELS_ARE_ALIGNED = bpy.app.version >= (5, 0, 0)
 PROPERTIES_ARE_APART = bpy.app.version >= (5, 0, 0)  # an add-on's from those of the user's own
 CLIPS_ARE_TURNED = bpy.app.version >= (4, 5, 0)  # as their files say, which phones do
 STRIP_NAME_BYTES = 63  # at most, of a strip of the NLA

@@ -78,6 +78,8 @@ def problem_of(face: bpy.types.Object) -> str:
 def forget_all(*_) -> None:
     """Another file is open: the states are of faces that no longer exist."""
     _states.clear()
+    contact_key.still_faces.clear()
+    contact_key.resting_faces.clear()
 
 
 @persistent

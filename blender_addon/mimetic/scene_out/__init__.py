@@ -95,7 +95,8 @@ class BakeSummary:
     last: float
     num_curves: int
     kept: str = ""  # what was changed by hand and stays, a line for the user
-    remark: str = ""  # what drivers set, and why the face does not stay before its footage
+    # That the face is a second one, what drivers set, why it does not stay before its footage
+    remark: str = ""
 
 
 def bake(
@@ -130,7 +131,7 @@ def bake(
     nothing then, where face or camera are linked from another file or what moves the face is flat.
     """
     writable.check(targets.no_update(scene))
-    known_face = face.find(scene, performance)
+    known_face, other = face.find(scene, performance), face.passed_over(scene, performance)
     writable.check(control_object.no_bake(known_face, use_controls))
     if tolerance > 0:
         native.sparse_curves().check_tolerance(tolerance)
@@ -156,6 +157,7 @@ def bake(
     _show_camera(scene, performance, world_from_camera, footage, timing, take)
     first, last = float(frames[0]), float(frames[-1])
     remark = _remark(scene, obj, [] if use_controls else shapes)
+    remark = "; ".join(filter(None, (face.second_remark(scene, obj, other), remark)))
     return BakeSummary(first, last, num_curves, hand_changes.text(), remark)
 
 

@@ -32,14 +32,18 @@ def with_keys(scene: bpy.types.Scene, face: bpy.types.Object) -> Iterator[bool]:
         finally:
             key.mute = is_muted
         return
-    contact.still_faces.add(face.name)
-    names = _add(face, shapes, frames)
+    # All that share the mesh: one that goes on following would write the key's points
+    keys = face.data.shape_keys
+    still = {o.name for o in bpy.data.objects if getattr(o.data, "shape_keys", None) == keys}
+    made: list[str] = []
     try:
+        contact.still_faces.update(still)
+        _add(face, shapes, frames, made)
         yield True
     finally:
-        _take_off(face, names)
-        contact.still_faces.discard(face.name)
-        face.data.shape_keys.update_tag()
+        contact.still_faces.difference_update(still)
+        _take_off(face, made)
+        keys.update_tag()
 
 
 def _shapes(scene: bpy.types.Scene, face: bpy.types.Object):
@@ -66,22 +70,26 @@ def _shapes(scene: bpy.types.Scene, face: bpy.types.Object):
     return shapes, frames
 
 
-def _add(face: bpy.types.Object, shapes, frames) -> list[str]:
-    """The first shape takes the place of the key that follows: no other's number changes."""
+def _add(face: bpy.types.Object, shapes, frames, made: list[str]) -> None:
+    """The first shape takes the place of the key that follows: no other's number changes.
+
+    made: gets the names of the keys, each once its curve is there.
+    """
     keys = face.data.shape_keys
     basis = contact.points_of(keys.reference_key)
     names = [contact.KEY, *(f"{contact.KEY} {i + 2}" for i in range(len(shapes) - 1))]
     holder = compat.curves(keys)
     for name, shape in zip(names, shapes, strict=True):
         key = keys.key_blocks.get(name) or face.shape_key_add(name=name, from_mix=False)
+        curve = None
+        if holder is not None and len(frames) > 1:
+            curve = compat.new_curve(holder, key.path_from_id("value"), 0, shape.group)
+        made.append(name)
         key.slider_min, key.slider_max = -1.0, 1.0
         key.value = shape.values[0]
         key.points.foreach_set("co", (basis + shape.offsets).astype(np.float32).ravel())
-        if holder is not None and len(frames) > 1:
-            path = key.path_from_id("value")
-            curve = compat.new_curve(holder, path, 0, shape.group)
+        if curve is not None:
             actions.fill(curve, frames, shape.values, actions.LINEAR)
-    return names
 
 
 def _take_off(face: bpy.types.Object, names: list[str]) -> None:
@@ -93,6 +101,7 @@ def _take_off(face: bpy.types.Object, names: list[str]) -> None:
             holder.fcurves.remove(curve)
         if name != contact.KEY:
             face.shape_key_remove(key)
-    key = keys.key_blocks[contact.KEY]
-    key.slider_min, key.value = 0.0, 1.0
-    contact.rest(face)
+    if contact.KEY in names:
+        key = keys.key_blocks[contact.KEY]
+        key.slider_min, key.value = 0.0, 1.0
+        contact.rest(face)

@@ -202,7 +202,7 @@ def _write(
         with ExitStack() as stack:
             stack.enter_context(selection.selected_alone(objects, character))
             stack.enter_context(strip_curves.with_curves(scene, objects))
-            for obj in shaped:
+            for obj in selection.one_a_mesh(shaped):
                 stack.enter_context(contact_curves.with_keys(scene, obj))
             stack.enter_context(part_curves.with_curves(shaped))
             stack.enter_context(negative_keys.split(shaped))

@@ -11,6 +11,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import mesh_frame, native, scene_in, writable
 from . import actions, by_hand, contact, gaze, renamed_keys
@@ -45,6 +46,31 @@ def find(scene, performance) -> bpy.types.Object | None:
     """The face that a performance goes on: of its footage, and of its topology."""
     face = _face_of(scene, performance.footage[1] if performance.footage else "")
     return face if scene_in.holds(scene, face) and _has_faces(face, performance.faces) else None
+
+
+def passed_over(scene, performance) -> bpy.types.Object | None:
+    """The face of the performance's footage that `find` does not give, unless it was deleted."""
+    face = _face_of(scene, performance.footage[1] if performance.footage else "")
+    if face is None or face == find(scene, performance):
+        return None
+    return face if face.users_collection else None  # the scene goes on referring to a deleted one
+
+
+def second_remark(scene, face: bpy.types.Object, other: bpy.types.Object | None) -> str:
+    """That `face` was made although there is another one of its footage, or nothing."""
+    if other is None:
+        return ""
+    if scene_in.holds(scene, other):
+        text = rpt_(
+            "{other} has other vertices than were baked: {face} is new, and {other} stays as it "
+            "is; hide or delete one"
+        )
+    else:
+        text = rpt_(
+            "{other} is in no collection of the scene: {face} is new, and {other} stays as it is; "
+            "hide or delete one"
+        )
+    return text.format(other=other.name, face=face.name)
 
 
 def _face_of(scene, mark: str) -> bpy.types.Object | None:

@@ -56,7 +56,7 @@ def _export(
         stack.callback(scene.frame_set, math.floor(current), subframe=current % 1)
         stack.enter_context(selection.selected_alone(objects, face))
         stack.enter_context(strip_curves.with_curves(scene, objects))
-        for obj in shaped:
+        for obj in selection.one_a_mesh(shaped):
             # Contact's keys come behind the groups', whose number must not change then
             if not stack.enter_context(contact_curves.with_keys(scene, obj)):
                 stack.enter_context(_without_idle_groups(obj))

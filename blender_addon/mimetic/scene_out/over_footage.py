@@ -7,6 +7,8 @@ that is transparent where nothing is. Whoever has nodes of their own keeps the s
 
 from __future__ import annotations
 
+import re
+
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
@@ -18,8 +20,14 @@ from .camera import SOLID_TYPES
 
 NAME = "Footage behind the Face"
 MADE = "mimetic_made"  # property of the nodes' tree that we made
-SOURCE, FRAMING = "Footage", "Footage in the Picture"  # names of its nodes
+# Names of its nodes
+SOURCE, FRAMING, IN_REGION = "Footage", "Footage in the Picture", "Footage in the Render Region"
 AS_FILMED = "Standard"
+# Formulas of the picture's pixels along an axis, and of those at which the render region begins
+# and ends there, rounded as Blender does. Its floats are coarser than a formula's numbers, hence
+# the factor: .7 of 1000 is a little less than 700 here, and 700 there
+WHOLE = "floor(side*percent/100)"
+FIRST, END = (f"floor({edge}*1.00000004*{WHOLE})" for edge in ("first", "end"))
 
 
 def set_up(scene: bpy.types.Scene, face: bpy.types.Object, performance, with_lights=True) -> str:
@@ -57,16 +65,20 @@ def _new_tree(scene: bpy.types.Scene) -> bpy.types.NodeTree:
     stretch, framing = nodes.new("CompositorNodeScale"), nodes.new("CompositorNodeScale")
     compat.stretch_to_render(stretch)
     framing.name = framing.label = FRAMING
+    in_region = nodes.new("CompositorNodeTranslate")
+    in_region.name = in_region.label = IN_REGION
     source = _new_source(tree, "CompositorNodeMovieClip")
     rendered, over = nodes.new("CompositorNodeRLayers"), nodes.new("CompositorNodeAlphaOver")
     behind, before = compat.alpha_over(over)
     links.new(source.outputs["Image"], stretch.inputs["Image"])
     links.new(stretch.outputs["Image"], framing.inputs["Image"])
-    links.new(framing.outputs["Image"], behind)
+    links.new(framing.outputs["Image"], in_region.inputs["Image"])
+    links.new(in_region.outputs["Image"], behind)
     links.new(rendered.outputs["Image"], before)
     links.new(over.outputs["Image"], result)
-    places = ((source, 0, 0), (stretch, 250, 0), (framing, 450, 0), (rendered, 350, 400))
-    for node, x, y in (*places, (over, 650, 150), (result.node, 850, 150)):
+    places = ((source, 0, 0), (stretch, 250, 0), (framing, 450, 0), (in_region, 650, 0))
+    places += ((rendered, 350, 400), (over, 850, 150), (result.node, 1050, 150))
+    for node, x, y in places:
         node.location = (x, y)
     return tree
 
@@ -106,34 +118,55 @@ def _put_in(tree: bpy.types.NodeTree, camera: bpy.types.Camera) -> None:
 
 
 def _frame(tree: bpy.types.NodeTree, scene: bpy.types.Scene, performance) -> None:
-    """Fits the footage whole into the picture, as the camera's view does.
+    """Fits the footage whole into the picture, as the camera's view does, of which a cropped render
+    has its region.
 
     The camera goes on fitting the same side when the picture gets another size: so does this.
     """
-    framing = tree.nodes.get(FRAMING)
-    if framing is None:
-        return
     size, aspect = scene_in.picture_size(scene), scene_in.pixel_aspect(scene)
     lens = native.placement().lens(performance.intrinsics, performance.image_size, size, aspect)
-    for name, part in zip("XY", lens.covered, strict=True):
-        scale = framing.inputs[name]
-        path = scale.path_from_id("default_value")
-        tree.driver_remove(path)
-        scale.default_value = part
-        if name != ("X" if lens.fit == "VERTICAL" else "Y"):
-            continue
-        beside, along = ("x", "y") if name == "X" else ("y", "x")
-        now = part * scene_in.side(scene, beside) / scene_in.side(scene, along)
-        sides = {
-            f"{what}_{axis}": f"render.{what}_{axis}"
-            for what in ("resolution", "pixel_aspect")
-            for axis in "xy"
-        }
-        expression = (
-            f"{now:.9g} * resolution_{along} * pixel_aspect_{along}"
-            f" / (resolution_{beside} * pixel_aspect_{beside})"
-        )
-        compat.compute(tree, path, scene, "SCENE", sides, expression)
+    of_axes = zip(("xy", "yx"), lens.covered, performance.image_size, strict=True)
+    for (beside, along), share, pixels in of_axes:
+        times = ""
+        if beside == ("x" if lens.fit == "VERTICAL" else "y"):
+            share *= scene_in.side(scene, beside) / scene_in.side(scene, along)
+            times = f"*{along}*pixel_{along}/{beside}/pixel_{beside}"
+        factor, moved = f"{share:.9g}{times}", f"({WHOLE}-{FIRST}-{END})/2"
+        if compat.RENDER_SIZE_IS_CROPPED:
+            factor += f"*(1+region*crop*({WHOLE}/max({END}-{FIRST},1)-1))"
+        else:  # pictures lie on whole pixels
+            moved = f"ceil({moved})"
+        if compat.PIXELS_ARE_ALIGNED:  # as it is in the whole picture
+            half = (-0.5 if pixels % 2 else 0.5) / pixels * share / 100
+            moved += f"+{half:.6g}{times}*side*percent*(fmod({END}-{FIRST},2)-fmod({WHOLE},2))"
+        _drive(tree, scene, FRAMING, beside, factor)
+        _drive(tree, scene, IN_REGION, beside, f"region*crop*({moved})")
+
+
+def _drive(
+    tree: bpy.types.NodeTree, scene: bpy.types.Scene, name: str, axis: str, formula: str
+) -> None:
+    """Has the input of a node for an axis follow a formula of the scene's render settings."""
+    node = tree.nodes.get(name)
+    if node is None:
+        return  # taken out by hand
+    path = node.inputs[axis.upper()].path_from_id("default_value")
+    tree.driver_remove(path)
+    settings = {
+        "percent": "resolution_percentage",
+        "region": "use_border",
+        "crop": "use_crop_to_border",
+        "side": f"resolution_{axis}",
+        "first": f"border_min_{axis}",
+        "end": f"border_max_{axis}",
+    }
+    for side in "xy":
+        settings |= {side: f"resolution_{side}", f"pixel_{side}": f"pixel_aspect_{side}"}
+    # A driver's formula has 255 characters at most
+    short = {word: chr(ord("A") + i) for i, word in enumerate(settings)}
+    formula = re.sub("|".join(rf"\b{word}\b" for word in short), lambda m: short[m[0]], formula)
+    used = {short[w]: f"render.{settings[w]}" for w in settings if short[w] in formula}
+    compat.compute(tree, path, scene, "SCENE", used, formula)
 
 
 def _clear_the_way(scene: bpy.types.Scene, face: bpy.types.Object) -> str:

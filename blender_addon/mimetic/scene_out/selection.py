@@ -52,6 +52,14 @@ def with_shape_keys(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Objec
     return [obj for obj in objects if obj.type == "MESH" and obj.data.shape_keys]
 
 
+def one_a_mesh(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Object]:
+    """Of objects with shape keys, the first that has each: linked duplicates (Alt D) share them."""
+    firsts: dict[bpy.types.Key, bpy.types.Object] = {}
+    for obj in objects:
+        firsts.setdefault(obj.data.shape_keys, obj)
+    return list(firsts.values())
+
+
 @contextmanager
 def scene_at_hand(scene: bpy.types.Scene) -> Iterator[None]:
     """While it lasts, the window and the context have this scene: exporters write what the context
