@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -86,13 +86,11 @@ COLUMNS = {
 }
 
 
-def captured(frames: Frames, fps: float, way: str) -> Performance:
-    """The performance of frames shown in one way; raises InvalidInput."""
-    shown = frames if way == AS_IT_IS else WAYS[way](frames)
+def captured(frames: Frames, fps: float, crf: int = FINE) -> Performance:
+    """The performance of frames that are coded first; raises InvalidInput."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "clip.mp4"
-        crf = COARSE if way == CODED else FINE
-        encode(np.ascontiguousarray(shown), path, replace(TEST, fps=round(fps), crf=crf))
+        encode(np.ascontiguousarray(frames), path, replace(TEST, fps=round(fps), crf=crf))
         return clip_capture.capture(path)
 
 
@@ -129,11 +127,28 @@ def figures(first: Performance, second: Performance, way: str) -> dict[str, floa
     }
 
 
-def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="evaluation.runs.shown_again", description=__doc__)
+def shown(frames: Frames, fps: float, first: Performance, way: str) -> dict[str, float]:
+    """Figures of the frames shown in one way, beside their first capture; raises InvalidInput."""
+    second = captured(WAYS[way](frames), fps, COARSE if way == CODED else FINE)
+    return figures(first, second, way)
+
+
+def compare(
+    name: str,
+    description: str | None,
+    ways: Collection[str],
+    columns: dict[str, tuple[str, str]],
+    of_way: Callable[[Frames, float, Performance, str], dict[str, float]],
+    arguments: list[str] | None,
+) -> int:
+    """A command that captures clips, and again in each way, and prints figures; its exit code.
+
+    of_way: figures of a clip's frames, their rate, their performance as they are, and a way.
+    """
+    parser = argparse.ArgumentParser(prog=f"evaluation.runs.{name}", description=description)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("--clips", nargs="+", choices=CLIPS, default=CLIPS, metavar="NAME")
-    parser.add_argument("--ways", nargs="+", choices=WAYS, default=list(WAYS), metavar="NAME")
+    parser.add_argument("--ways", nargs="+", choices=ways, default=list(ways), metavar="NAME")
     parser.add_argument("--seconds", type=float, default=3.0, help="of each clip (default: 3)")
     options = parser.parse_args(arguments)
     rows: dict[str, dict[str, float]] = {}
@@ -143,15 +158,19 @@ def main(arguments: list[str] | None = None) -> int:
             last = min(source.num_frames, round(options.seconds * source.fps))
             frames = np.stack([image for _, image in source.frames(1, last)])
             to_stderr(f"{clip}, {last} frames, {AS_IT_IS}")
-            first = captured(frames, source.fps, AS_IT_IS)
+            first = captured(frames, source.fps)
             for way in options.ways:
                 to_stderr(f"{clip}, {way}")
-                rows[f"{clip}, {way}"] = figures(first, captured(frames, source.fps, way), way)
+                rows[f"{clip}, {way}"] = of_way(frames, source.fps, first, way)
     except (InvalidInput, OSError) as error:
-        print(f"shown_again: {error}", file=sys.stderr)
+        print(f"{name}: {error}", file=sys.stderr)
         return 2
-    print(text_table("shown again", COLUMNS, rows))
+    print(text_table(name.replace("_", " "), columns, rows))
     return 0
+
+
+def main(arguments: list[str] | None = None) -> int:
+    return compare("shown_again", __doc__, WAYS, COLUMNS, shown, arguments)
 
 
 if __name__ == "__main__":

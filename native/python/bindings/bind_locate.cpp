@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/locate/cascade.hpp>
+#include <mimetic/locate/glasses.hpp>
 #include <mimetic/locate/locate.hpp>
 #include <mimetic/locate/well_lit.hpp>
 #include <optional>
@@ -114,6 +115,19 @@ void bind_locate(py::module_& m) {
         "The picture with a badly lit face made brighter, and its darker half as bright as the other; "
         "itself\n"
         "where the face is lit evenly and well.\n\nimage: (H, W, 3) uint8 RGB\nreturns: (H, W, 3) uint8");
+    m.def(
+        "glasses_rims",
+        [](const ImageArray& image, const Camera& camera, const Eigen::Matrix4d& camera_from_head,
+           const Points& eyes) {
+            const ColorView view = view_image<3>(image, "image");
+            const py::gil_scoped_release release;
+            return glasses_rims(view, camera, to_isometry(camera_from_head), eyes);
+        },
+        py::arg("image").noconvert(), "camera"_a, "camera_from_head"_a, "eyes"_a,
+        "The rims of glasses that a head wears; empty where it wears none, or none that can be seen.\n\n"
+        "image: (H, W, 3) uint8 RGB, the camera's; eyes: (2, 3), centres of the eyeballs, head frame, "
+        "metres,\nthe subject's left one first\nreturns: curves along the lower halves of the rims and the "
+        "bridge, each (N, 3), head frame, metres.\nRaises InvalidInput.");
 }
 
 }  // namespace mimetic::bindings

@@ -179,20 +179,23 @@ void bind_tracker(py::module_& m) {
         "Tracks one face: pose, muscles and articulators together, against reference textures.")
         .def(py::init([](const Camera& camera, QuadsIn faces, VectorIn weights, const FaceMotion& motion,
                          const ImageArray& image, const Eigen::Matrix4d& camera_from_head,
-                         const FeatureInputs& features, const TrackerOptions& options, int levels) {
+                         const FeatureInputs& features, const TrackerOptions& options, int levels,
+                         std::vector<Points> rims) {
                  const ColorView view = view_image<3>(image, "the reference image");
                  const py::gil_scoped_release unlocked;
-                 return FaceTracker(camera, refine_for_tracking(faces, weights, levels), motion, view,
-                                    to_isometry(camera_from_head), features, options);
+                 return FaceTracker(camera, refine_for_tracking(faces, weights, levels, std::move(rims)),
+                                    motion, view, to_isometry(camera_from_head), features, options);
              }),
              "camera"_a, py::arg("faces").noconvert(), py::arg("weights").noconvert(), "motion"_a,
              py::arg("image").noconvert(), "camera_from_head"_a, "features"_a = FeatureInputs{},
-             "options"_a = TrackerOptions{}, "levels"_a = 1, py::keep_alive<1, 8>(),
+             "options"_a = TrackerOptions{}, "levels"_a = 1, "rims"_a = std::vector<Points>(),
+             py::keep_alive<1, 8>(),
              "faces: (F, 4) int32 quads of the skin's vertices; weights: (V,) 0 to 1, 0 keeps a vertex out "
              "of the\n"
              "measurement; image: (H, W, 3) uint8, the reference frame, where the face is at "
              "camera_from_head (4, 4)\n"
-             "with all values 0; levels: of subdivision. Raises InvalidInput.")
+             "with all values 0; levels: of subdivision; rims: of glasses (`glasses_rims`). Raises "
+             "InvalidInput.")
         .def(
             "advance",
             [](FaceTracker& tracker, const ImageArray& image, const std::optional<Eigen::Matrix4d>& guess) {

@@ -75,7 +75,8 @@ Registration FaceRegistrar::register_textures(const Expectation& expected, const
         for (SampleMeasurement& sample : samples) {
             // Textures of the same skin share the model's error: two of them give no more information than
             // one.
-            sample.weight = covered.contains(sample.sample) ? 0 : sample.weight / num_views;
+            const bool is_skin = !sample.sample->is_behind_rim && !covered.contains(sample.sample);
+            sample.weight = is_skin ? sample.weight / num_views : 0;
         }
         const StageClock clock(frame.times.solve_ms);
         NoiseModel present = face_.noise;
@@ -114,7 +115,8 @@ void FaceRegistrar::measure(const FaceState& state, FrameAtHand& frame, bool is_
         {
             const StageClock clock(frame.times.warp_ms);
             visible = sight_.visible(*view, projected, state);
-            view->stabilise(face_.surface.triangles(), projected, frame.prepared, map_, stabilised_);
+            view->stabilise(face_.surface.triangles(), projected, frame.prepared, map_, stabilised_,
+                            /*without_rims=*/true);
         }
         const StageClock clock(frame.times.flow_ms);
         const double angle = view_angle(view->camera_from_head(), state.camera_from_head);

@@ -5,13 +5,15 @@
 
 namespace mimetic {
 
-TrackedSurface refine_for_tracking(QuadsIn faces, VectorIn vertex_weights, int levels) {
+TrackedSurface refine_for_tracking(QuadsIn faces, VectorIn vertex_weights, int levels,
+                                   std::vector<Points> rims) {
     const SubdividedMesh mesh(faces, static_cast<int>(vertex_weights.size()), levels);
-    return {mesh.stencils(), mesh.faces(), (mesh.stencils() * vertex_weights).cwiseMax(0).cwiseMin(1)};
+    return {mesh.stencils(), mesh.faces(), (mesh.stencils() * vertex_weights).cwiseMax(0).cwiseMin(1),
+            std::move(rims)};
 }
 
 FaceSurface::FaceSurface(const TrackedSurface& surface, const FaceMotion& motion)
-    : triangles_(2 * surface.quads.rows(), 3), weights_(surface.weights.cast<float>()) {
+    : triangles_(2 * surface.quads.rows(), 3), weights_(surface.weights.cast<float>()), rims_(surface.rims) {
     const Eigen::Index num_vertices = motion.neutral.rows();
     const Eigen::Index num_refined = surface.stencils.rows();
     for (Eigen::Index face = 0; face < surface.quads.rows(); ++face) {

@@ -35,11 +35,13 @@ public:
     SkinPoint at_vertex(int vertex) const;
     const Triangles& triangles() const { return triangles_; }
     const Eigen::VectorXf& weights() const { return weights_; }
+    const std::vector<Points>& rims() const { return rims_; }
     int num_values() const { return static_cast<int>(modes_.cols()); }
 
 private:
     Triangles triangles_;
     Eigen::VectorXf weights_;       // R
+    std::vector<Points> rims_;      // of glasses
     Eigen::VectorXf neutral_;       // 3R
     Eigen::MatrixXf modes_;         // 3R x M
     Eigen::MatrixXf detail_modes_;  // 3R x D

@@ -65,7 +65,7 @@ std::vector<SampleMeasurement> FlowFollower::measure(const PartFlow& part, const
         measurement.displacement = Eigen::Vector2d(part.flow(y, x)[0], part.flow(y, x)[1]) / part.scale;
         measurement.covariance = Eigen::Matrix2d::Identity() * std::pow(.5 / part.scale, 2);
         measurement.correlation = 1;
-        measurement.weight = sample.weight;
+        measurement.weight = sample.is_behind_rim ? 0 : sample.weight;
         measurements.push_back(measurement);
     }
     return measurements;

@@ -12,6 +12,9 @@ namespace {
 constexpr int kMargin = 8;           // crop pixels round the skin
 constexpr float kMinimumSkin = .5f;  // vertex weight from which a pixel counts as skin
 constexpr int kNormaliserWindow = 25;
+constexpr double kNearest = .02;      // metres before the camera
+constexpr double kRimWidth = 3.5e-3;  // metres to each side that a rim of glasses may cover
+constexpr double kRimReach = 6e-3;    // and the flow's patches on it
 
 struct Box {
     Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9);
@@ -123,13 +126,21 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, c
         }
     }
     normaliser_ = std::make_unique<LocalNormaliser>(mask_, kNormaliserWindow);
+    if (!surface.rims().empty()) {
+        cv::Mat1b skin = mask_.clone();
+        skin.setTo(0, rims_drawn(surface.rims(), camera, kRimWidth));
+        skin_normaliser_ = std::make_unique<LocalNormaliser>(skin, kNormaliserWindow);
+    }
     PreparedFrame frame;
     frame.update(gray, scale_);
     cv::Mat2f map;
     cv::Mat1f texture;
     stabilise(surface.triangles(), projected, frame, map, texture);
     texture_ = ReferenceTexture(texture);
-    choose_samples(surface, projected, spacing);
+    if (skin_normaliser_) {
+        skin_normaliser_->apply(raw_, skin_texture_);
+    }
+    choose_samples(surface, projected, spacing, rims_drawn(surface.rims(), camera, kRimReach));
     blur_modes(flow_blur);
 }
 
@@ -149,7 +160,8 @@ void ReferenceView::keep_detail(const Eigen::VectorXd& coefficients) {
 }
 
 void ReferenceView::stabilise(const Triangles& triangles, const ProjectedSurface& projected,
-                              const PreparedFrame& frame, cv::Mat2f& map, cv::Mat1f& texture) {
+                              const PreparedFrame& frame, cv::Mat2f& map, cv::Mat1f& texture,
+                              bool without_rims) {
     map.create(triangle_.size());
     scaled_map_.create(triangle_.size());
     const auto scale = static_cast<float>(frame.scale);
@@ -184,11 +196,11 @@ void ReferenceView::stabilise(const Triangles& triangles, const ProjectedSurface
     cv::remap(frame.gray, fetched, scaled_map_, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
     fetched.convertTo(raw_, CV_32F);
     cv::GaussianBlur(raw_, raw_, {3, 3}, .7);
-    normaliser_->apply(raw_, texture);
+    (without_rims && skin_normaliser_ ? skin_normaliser_ : normaliser_)->apply(raw_, texture);
 }
 
-void ReferenceView::choose_samples(const FaceSurface& surface, const ProjectedSurface& projected,
-                                   int spacing) {
+void ReferenceView::choose_samples(const FaceSurface& surface, const ProjectedSurface& projected, int spacing,
+                                   const cv::Mat1b& rims) {
     cv::Mat1b inner;
     cv::erode(mask_, inner, cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}));
     const Eigen::Vector3d eye = -(camera_from_head_.linear().transpose() * camera_from_head_.translation());
@@ -215,9 +227,31 @@ void ReferenceView::choose_samples(const FaceSurface& surface, const ProjectedSu
             }
             sample.skin = surface.at(sample.triangle, sample.barycentric);
             sample.weight = std::min(1.f, (frontality - kGrazing) / .3f);
+            sample.is_behind_rim = rims(y, x) != 0;
             samples_.push_back(std::move(sample));
         }
     }
+}
+
+cv::Mat1b ReferenceView::rims_drawn(const std::vector<Points>& rims, const Camera& camera,
+                                    double reach) const {
+    cv::Mat1b drawn = cv::Mat1b::zeros(mask_.size());
+    constexpr int kShift = 4;  // bits of a pixel's fraction
+    for (const Points& rim : rims) {
+        std::vector<cv::Point> curve;
+        double thickness = 1;
+        for (Eigen::Index k = 0; k < rim.rows(); ++k) {
+            const Eigen::Vector3d point = camera_from_head_ * rim.row(k).transpose();
+            if (!(point.z() > kNearest)) {
+                continue;
+            }
+            const Eigen::Vector2d at = (camera.project(point) - origin_) * scale_ * (1 << kShift);
+            curve.emplace_back(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
+            thickness = std::max(thickness, 2 * reach * camera.fx / point.z() * scale_);
+        }
+        cv::polylines(drawn, curve, false, 255, static_cast<int>(std::lround(thickness)), cv::LINE_8, kShift);
+    }
+    return drawn;
 }
 
 void ReferenceView::blur_modes(double flow_blur) {

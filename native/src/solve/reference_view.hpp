@@ -39,6 +39,7 @@ struct ReferenceSample {
     Eigen::Matrix3Xf seen_modes;         ///< 3 x M: the modes as a flow shows them, blurred
     Eigen::Matrix3Xf seen_detail_modes;  ///< 3 x D
     float weight = 1;
+    bool is_behind_rim = false;  ///< of glasses: what is seen here turns with the head, not with the skin
     /// Head frame, metres: displacement of the skin from the model when the texture was taken.
     Eigen::Vector3f offset = Eigen::Vector3f::Zero();
 };
@@ -54,8 +55,9 @@ public:
     void keep_detail(const Eigen::VectorXd& coefficients);
 
     /// Fetches the texture of a frame under the hypothesis `projected`; map: frame pixel of each crop pixel.
+    /// without_rims: of glasses, as `skin_texture` is.
     void stabilise(const Triangles& triangles, const ProjectedSurface& projected, const PreparedFrame& frame,
-                   cv::Mat2f& map, cv::Mat1f& texture);
+                   cv::Mat2f& map, cv::Mat1f& texture, bool without_rims = false);
 
     /// Of each pixel of the texture: of a sample its weight times how well it is seen (visible, of each
     /// sample).
@@ -63,13 +65,18 @@ public:
 
     const Eigen::Isometry3d& camera_from_head() const { return camera_from_head_; }
     const ReferenceTexture& texture() const { return texture_; }
+    /// The texture without the rims of glasses, whose contrast would drown that of the skin about them.
+    const cv::Mat1f& skin_texture() const { return skin_normaliser_ ? skin_texture_ : texture_.values(); }
     const cv::Mat1b& mask() const { return mask_; }
     const std::vector<ReferenceSample>& samples() const { return samples_; }
     double scale() const { return scale_; }  ///< crop pixels an image pixel
     const Eigen::Vector2d& origin() const { return origin_; }
 
 private:
-    void choose_samples(const FaceSurface& surface, const ProjectedSurface& projected, int spacing);
+    /// Which crop pixels are within `reach` (metres) of rims of glasses.
+    cv::Mat1b rims_drawn(const std::vector<Points>& rims, const Camera& camera, double reach) const;
+    void choose_samples(const FaceSurface& surface, const ProjectedSurface& projected, int spacing,
+                        const cv::Mat1b& rims);
     void blur_modes(double flow_blur);
 
     Eigen::Isometry3d camera_from_head_;
@@ -81,6 +88,8 @@ private:
     ReferenceTexture texture_;
     std::vector<ReferenceSample> samples_;
     std::unique_ptr<LocalNormaliser> normaliser_;
+    std::unique_ptr<LocalNormaliser> skin_normaliser_;  // none: there are no rims
+    cv::Mat1f skin_texture_;
     cv::Mat1f raw_;
     cv::Mat2f scaled_map_;
 };

@@ -95,6 +95,67 @@ double median_miss(const SkinObservations& seen, const Eigen::Isometry3d& pose,
     return misses.size() < 100 ? 1e9 : misses[misses.size() / 2];
 }
 
+/// A ring of a centimetre and a half in the head frame, before the skin that the third value moves.
+Points ring() {
+    Points curve(73, 3);
+    for (int k = 0; k < 73; ++k) {
+        const double angle = k * M_PI / 36;
+        curve.row(k) << -.03 + .015 * std::cos(angle), -.05 + .015 * std::sin(angle), .078;
+    }
+    return curve;
+}
+
+/// Paints the ring, four millimetres wide and nearly black, on a head at a pose.
+void wear_ring(Image& image, const Eigen::Isometry3d& pose) {
+    const Camera& camera = scene().camera;
+    const Points curve = ring();
+    for (Eigen::Index k = 0; k + 1 < curve.rows(); ++k) {
+        for (const double share : {0., .25, .5, .75}) {
+            const Eigen::Vector3d point =
+                pose * Eigen::Vector3d((1 - share) * curve.row(k) + share * curve.row(k + 1));
+            const Eigen::Vector2d at = camera.project(point);
+            const double radius = .002 * camera.fx / point.z();
+            const auto first_y = static_cast<int>(at.y() - radius),
+                       first_x = static_cast<int>(at.x() - radius);
+            for (int y = first_y; y <= at.y() + radius; ++y) {
+                for (int x = first_x; x <= at.x() + radius; ++x) {
+                    if (std::hypot(x - at.x(), y - at.y()) < radius) {
+                        std::fill_n(image.begin() + 3 * (y * camera.width + x), 3, std::uint8_t{20});
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// How far off the value behind the ring is, on the mean over a smile.
+double error_behind_ring(const std::vector<Points>& rims) {
+    Image first = scene().render(scene().camera_from_head, scene().rest());
+    wear_ring(first, scene().camera_from_head);
+    TrackedSurface surface = scene().surface;
+    surface.rims = rims;
+    FaceTracker tracker(scene().camera, surface, scene().motion, scene().view(first),
+                        scene().camera_from_head);
+    double sum = 0;
+    constexpr int kFrames = 16;
+    for (int t = 1; t <= kFrames; ++t) {
+        Eigen::VectorXd values = scene().rest();
+        values[2] = .8 * ramp(t, 2, 10);
+        Image image = scene().render(scene().camera_from_head, values, 2, 1, 0, static_cast<unsigned>(t));
+        wear_ring(image, scene().camera_from_head);
+        const FrameEstimate estimate = advance(tracker, image);
+        EXPECT_FALSE(estimate.held);
+        sum += std::abs(estimate.values[2] - values[2]) / kFrames;
+    }
+    return sum;
+}
+
+TEST(FaceTracker, LooksPastTheRimsOfGlasses) {
+    const double followed = error_behind_ring({}), passed_by = error_behind_ring({ring()});
+    EXPECT_LT(passed_by, .07);
+    EXPECT_GT(followed, 2 * passed_by);
+}
+
 TEST(FaceTracker, RecoversPoseAndValuesThroughExpressionsAndHeadMotion) {
     const Clip clip = expressive_clip(40);
     FaceTracker tracker = make_tracker();

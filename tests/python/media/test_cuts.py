@@ -68,6 +68,13 @@ def test_a_camera_that_shakes_is_no_cut(scale, face):
     assert cuts_in(frames, face, scale) == []
 
 
+@pytest.mark.parametrize("face", [FACE, None])
+@pytest.mark.parametrize("gain", [0.6, 1.5])
+def test_light_that_jumps_is_no_cut(gain, face):
+    lit = np.clip(scene() * gain, 0, 255).astype(np.uint8)
+    assert cuts_in([scene(), lit, scene(), lit, lit], face) == []
+
+
 @pytest.mark.parametrize("scale", SCALES)
 @pytest.mark.parametrize(
     "other",

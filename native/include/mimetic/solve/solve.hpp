@@ -20,10 +20,13 @@ struct TrackedSurface {
     SparseRows stencils;      ///< R x V: refined vertices from control vertices
     Quads quads;              ///< of refined vertices, counter-clockwise seen from outside
     Eigen::VectorXd weights;  ///< R, 0 to 1: 0 keeps a vertex out of the measurement (hair, mouth, eyes)
+    /// Of glasses before the skin, which turn with the head: curves, each N x 3, head frame, metres
+    std::vector<Points> rims;
 };
 
 /// The skin of V control vertices with a weight each, refined `levels` times on its limit surface.
-TrackedSurface refine_for_tracking(QuadsIn faces, VectorIn vertex_weights, int levels);
+TrackedSurface refine_for_tracking(QuadsIn faces, VectorIn vertex_weights, int levels,
+                                   std::vector<Points> rims = {});
 
 /// How a face moves: its surface is neutral + sum of values_j modes_j + sum of detail_k detail_modes_k.
 /// Muscles come first among the values, articulators after them.

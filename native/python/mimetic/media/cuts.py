@@ -14,11 +14,12 @@ from mimetic import _core
 Image = NDArray[np.uint8]
 Images = Iterator[tuple[int, Image]]  # with the frames' numbers
 CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
-# A page that scrolls beside a face, and a camera that shakes, change as much. So a cut must also
-# have changed the face's square, shifted as it may be, by this share of its contrast. In six clips:
-# the face in the next frame, the picture shifted by up to a seventh of the square, turned and
-# blurred, .05 to .35; another's face in its place .87 and more, the same 1.15 times as near .46
+# A page that scrolls beside a face, a camera that shakes and light that jumps change as much. So a
+# cut must also have changed the face's square, shifted and lit as it may be, by this share of its
+# contrast. In five clips: the same face in the next frame, shaken or blurred, .05 to .35, with .6
+# or 1.5 times the light, .02 to .25; another's in its place, .59 and more
 UNLIKE = 0.35
+FLAT = 2.0  # grey levels of contrast that noise alone has
 REACH = 1 / 6  # of the square's side, that it may be shifted by
 CELLS = 48  # along the square's side: as finely as it is compared
 SAMPLES = 8  # of a cell's pixels along its side, at least
@@ -71,14 +72,19 @@ def _is_unlike(before: Image, image: Image, face: _core.FeatureCrop | None) -> b
     cell = max(1, round(side / (CELLS * step)))  # samples
     was, now = (_cells(picture, box, step, cell) for picture in (before, image))
     reach = round(REACH * side / (cell * step))
-    inner = now[reach:-reach, reach:-reach]
+    inner = _evenly_lit(now[reach:-reach, reach:-reach])
     rows, columns = inner.shape
     least = min(
-        np.abs(was[y : y + rows, x : x + columns] - inner).mean()
+        np.abs(_evenly_lit(was[y : y + rows, x : x + columns]) - inner).mean()
         for y, x in itertools.product(range(1 + 2 * reach), repeat=2)
     )
-    contrast = np.mean([np.abs(one - one.mean()).mean() for one in (was, inner)])
-    return bool(least > UNLIKE * contrast)
+    return bool(least > UNLIKE)
+
+
+def _evenly_lit(levels: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Grey levels about their mean, in shares of their mean deviation."""
+    about_mean = levels - levels.mean()
+    return about_mean / (np.abs(about_mean).mean() + FLAT)
 
 
 def _box_round(face: _core.FeatureCrop, width: int, height: int) -> tuple[int, int, int, int]:

@@ -12,6 +12,7 @@ from mimetic.muscles import co_contraction
 from mimetic.muscles.anatomy import Anatomy
 from mimetic.muscles.detail import Detail
 from mimetic.solve.features import feature_inputs
+from mimetic.solve.glasses import rims_before
 from mimetic.template.face_template import FaceTemplate
 
 # Hair, neck and ears move on their own or show no skin; mouth and sockets are seen only now and
@@ -120,7 +121,7 @@ def make_tracker(
     """A tracker that starts at the fit's frame.
 
     image: (H, W, 3) uint8, the footage's frame number `fit.frame`; motion: `face_motion` of the
-    person. Raises InvalidInput.
+    person. The skin behind the rims of glasses is not measured. Raises InvalidInput.
     """
     weights = (~template.in_region(*UNMEASURED)).astype(np.float64)
     return _core.FaceTracker(
@@ -132,4 +133,5 @@ def make_tracker(
         np.asarray(fit.head_pose, dtype=np.float64),
         feature_inputs(fit, template, anatomy),
         options or _core.TrackerOptions(),
+        rims=rims_before(image, fit, template),
     )
