@@ -3,14 +3,23 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import bpy
 from mathutils import Euler
 
 from .. import captured_takes, compat, native, scene_in, takes
-from . import bake, clip, exports, eye_nodes, lost_markers, opened_view, over_footage, take_list
+from . import (
+    bake,
+    blend_file,
+    clip,
+    exports,
+    eye_nodes,
+    lost_markers,
+    opened_view,
+    over_footage,
+    take_list,
+)
 
 
 def write(
@@ -112,12 +121,4 @@ def save(out: str, footage: bpy.types.MovieClip | None) -> None:
     if footage is not None:  # so that the two can move together
         for media in (footage, *(i for i in bpy.data.images if i.source in {"MOVIE", "SEQUENCE"})):
             media.filepath = bpy.path.relpath(media.filepath, start=str(path.parent))
-    # Beside `out`, so that relative paths hold once it has its name
-    aside = path.with_name(f".{path.stem}.{os.getpid()}.blend")
-    try:
-        bpy.ops.wm.save_as_mainfile(
-            filepath=str(aside), check_existing=False, relative_remap=False, copy=True
-        )
-        os.replace(aside, path)
-    finally:
-        aside.unlink(missing_ok=True)
+    blend_file.save_copy(path, with_paths_anew=False)

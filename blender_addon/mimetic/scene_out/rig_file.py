@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -12,6 +11,7 @@ import bpy
 from .. import native, scene_in, takes, writable
 from . import (
     arkit_target,
+    blend_file,
     bound,
     bound_controls,
     bound_eyes,
@@ -82,7 +82,7 @@ def write(
     take_list.note(obj, performance, take, performance_path, frames, how, before)
     if not is_exported:
         text += _show_footage(scene, footage, timing, performance, take)
-        save(Path(out).absolute())
+        blend_file.save_copy(Path(out).absolute(), with_paths_anew=True)
         return text
     with ExitStack() as stack:
         if eyes is not None:
@@ -201,19 +201,6 @@ def _plays_own(obj: bpy.types.Object, where: str, choice: str) -> bool:
     if choice != "auto" or scene_in.is_face(obj) or own_keys.no_own_keys(obj):
         return choice == "own"
     return bool(native.control_names().known_names(key.name for key in own_keys.own_keys(obj)))
-
-
-def save(path: Path) -> None:
-    """The open file as a copy, whole."""
-    # Beside `out`, so that relative paths hold once it has its name
-    aside = path.with_name(f".{path.stem}.{os.getpid()}.blend")
-    try:
-        bpy.ops.wm.save_as_mainfile(
-            filepath=str(aside), check_existing=False, relative_remap=True, copy=True
-        )
-        os.replace(aside, path)
-    finally:
-        aside.unlink(missing_ok=True)
 
 
 def _frames(summary) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from .. import heads, native, writable
-from . import arkit, gltf, part_keys, rig_file
+from . import arkit, blend_file, gltf, part_keys, rig_file
 
 
 def write(out: str, file: str, name: str, landmarks_path: str | None) -> str:
@@ -34,7 +34,7 @@ def write(out: str, file: str, name: str, landmarks_path: str | None) -> str:
     if Path(out).suffix == ".glb":
         left_out = gltf.export(scene, out, head, is_animated=False)
     else:
-        rig_file.save(Path(out).absolute())
+        blend_file.save_copy(Path(out).absolute(), with_paths_anew=True)
     text = f"{len(written.names)} of ARKit's shapes on {name}"
     if moved:
         text += f"; {', '.join(moved)} moved along"
