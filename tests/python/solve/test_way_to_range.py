@@ -70,6 +70,7 @@ def test_frames_that_are_held_are_noted():
         subject="head",
         mixed_frames=[],
         strangers=[],
+        _cuts=set(),
     )
     for quality, told in (([1, 0], "1 frame"), ([0, 1, 0], "2 frames")):
         rows = SimpleNamespace(quality=quality)
