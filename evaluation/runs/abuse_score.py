@@ -10,6 +10,8 @@ import numpy as np
 from mimetic.performance.document import HELD_QUALITY
 from numpy.typing import NDArray
 
+from evaluation.runs.head_score import degrees_between
+
 FAR_DEGREES = 10.0
 FAR_METRES = 0.05  # across the line of sight
 SOON = 0.5  # seconds in which a face that is back is to be followed again
@@ -95,8 +97,7 @@ def apart(
     a: NDArray[np.float64], b: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Degrees between poses (N x 4 x 4), and metres across the line of sight."""
-    cosine = (np.einsum("nij,nij->n", a[:, :3, :3], b[:, :3, :3]) - 1) / 2
-    degrees = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
+    degrees = degrees_between(a[:, :3, :3], b[:, :3, :3])
     depth = b[:, 2, 3]
     away = a[:, :2, 3] / a[:, 2:3, 3] - b[:, :2, 3] / b[:, 2:3, 3]
     return degrees, np.linalg.norm(away, axis=1) * depth

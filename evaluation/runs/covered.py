@@ -25,6 +25,7 @@ from mimetic.template.face_template import load_template
 from numpy.typing import NDArray
 
 from evaluation.runs import shown_again
+from evaluation.runs.head_score import degrees_between
 from evaluation.runs.shown_again import AS_IT_IS, captured, compare
 from evaluation.runs.worn import RIM, Wearer, fill, with_rims
 from evaluation.synthetic.noise import smoothstep
@@ -137,10 +138,9 @@ COLUMNS = shown_again.COLUMNS | {"held": ("frames held", ".0f"), "turn": ("turn 
 def figures(first: Performance, second: Performance) -> dict[str, float]:
     """How far a performance of covered frames is from that of the frames as they are."""
     turns = [performance.head_pose[:, :3, :3] for performance in (first, second)]
-    cosines = (np.einsum("nij,nij->n", *turns) - 1) / 2
     return shown_again.figures(first, second, AS_IT_IS) | {
         "held": float((second.quality < HELD_QUALITY).sum()),
-        "turn": float(np.median(np.degrees(np.arccos(np.clip(cosines, -1, 1))))),
+        "turn": float(np.median(degrees_between(*turns))),
     }
 
 

@@ -55,7 +55,7 @@ def score_head(
         angles[has_pose] = angles_of(aligned_rotations[has_pose])
         figures |= _translation(poses[has_pose], aligned_rotations[has_pose], truth[has_pose])
         has_pose[has_pose] &= (
-            _degrees_between(aligned_rotations[has_pose], truth[has_pose, :3, :3]) < LOST_DEGREES
+            degrees_between(aligned_rotations[has_pose], truth[has_pose, :3, :3]) < LOST_DEGREES
         )
     errors = angles - true_angles
     figures |= _of_errors(errors, true_angles[:, AXES.index("yaw")], kind)
@@ -122,6 +122,7 @@ def _mean_turn(truth: NDArray, estimate: NDArray) -> NDArray:
     return u @ np.diag((1, 1, np.linalg.det(u @ vt))) @ vt
 
 
-def _degrees_between(a: NDArray, b: NDArray) -> NDArray:
+def degrees_between(a: NDArray, b: NDArray) -> NDArray[np.float64]:
+    """N angles between rotations (N x 3 x 3)."""
     cosine = (np.einsum("nij,nij->n", a, b) - 1) / 2
     return np.degrees(np.arccos(np.clip(cosine, -1, 1)))
