@@ -147,6 +147,9 @@ def migrate() -> None:
     earlier = {clip.name for clip in bpy.data.movieclips if not clip.mimetic.fingerprint}
     for clip in bpy.data.movieclips:
         settle(clip)
+        own = clip.mimetic
+        if own.landmarks_of and not clip.library and not own.is_property_set("landmark_offset"):
+            own.landmark_offset = clip.frame_offset
     for scene in bpy.data.scenes:
         settings, clip = scene.mimetic, scene.mimetic.clip
         if scene.library or clip is None or clip.library:
@@ -156,6 +159,7 @@ def migrate() -> None:
         record = ensure(clip)
         if settings.face_fit and not record.face_fit:
             record.face_fit, clip.mimetic.landmarks_of = settings.face_fit, record.name
+            clip.mimetic.landmark_offset = clip.frame_offset
         if not record.performance_path:
             record.performance_path = settings.performance_path
         settings.face_fit = settings.performance_path = ""

@@ -289,6 +289,9 @@ class MimeticClip(clip_lens.HasLens, bpy.types.PropertyGroup):
         name="Landmarks", description="Fingerprint of the content whose landmarks the tracks show"
     )
     landmark_object: StringProperty(description="Name of the tracking object that has them")
+    landmark_offset: IntProperty(
+        description="The clip's Frame Offset by which their markers lie on its frames"
+    )
     held_by: StringProperty(
         description="Names of the tracks that hold the head still, one in each line"
     )

@@ -136,9 +136,11 @@ def no_landmarks(context, needs_selection: bool, needs_frame: bool = True) -> st
 
 
 def shows_landmarks(clip: bpy.types.MovieClip) -> bool:
-    """Whether the clip's tracks are landmarks of the face found in what it shows now."""
+    """Whether the clip's tracks are landmarks of the face found in what it shows now, and lie on
+    the frames in which it was found: markers stay where they are when Frame Offset changes."""
     record = clips.find(clip)
     is_theirs = record is not None and clip.mimetic.landmarks_of == record.name
+    is_theirs = is_theirs and clip.mimetic.landmark_offset == clip.frame_offset
     return is_theirs and own_tracks.landmark_object(clip) is not None
 
 
@@ -228,6 +230,18 @@ def no_face(context) -> str:
     if face is None:
         return "Press Bake or Add Face first: the scene has no face"
     return _face_in_edit_mode(face)
+
+
+def no_sliders(context) -> str:
+    """Why there is no face whose sliders could be read or set."""
+    if reason := no_face(context):
+        return reason
+    face = face_of(context)
+    if face.data.shape_keys is not None:
+        return ""
+    if face == context.scene.mimetic.face:
+        return iface_("{face} has lost its shape keys: bake it again").format(face=face.name)
+    return iface_("{name} has no sliders: press Attach Muscles").format(name=face.name)
 
 
 def no_visible_face(context) -> str:

@@ -20,6 +20,9 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from . import clips, compat, handlers, native, performance_files
 
+# Of a new file's name, which most systems let have 255: room for a number and the ending
+STEM_BYTES = 220
+
 
 @dataclass(frozen=True)
 class Take:
@@ -49,8 +52,9 @@ class NewTake:
 
 def save(performance, new: NewTake) -> tuple[str, list[str]]:
     """Writes a performance; returns where it is, and what the user should know."""
-    notes, path = performance.notes or [], new.path()
+    notes, path = performance.notes or [], str(new.folder)
     try:
+        path = new.path()
         performance.save(path)
     except OSError as error:  # minutes of work: not lost for a folder that is read-only
         spare = new.spare_path()
@@ -71,6 +75,8 @@ def new_take(clip_name: str, path: str = "") -> NewTake:
     spare = _user_folder()
     folder = Path(bpy.path.abspath("//")) if bpy.data.filepath else spare
     stem = bpy.path.clean_name(Path(clip_name).stem)
+    if len(os.fsencode(stem)) > STEM_BYTES:  # a character that is cut in two goes as a whole
+        stem = os.fsencode(stem)[:STEM_BYTES].decode("utf-8", "ignore")
     return NewTake(stem, folder, spare, bpy.path.abspath(path) if path else "")
 
 

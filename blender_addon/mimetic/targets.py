@@ -85,11 +85,9 @@ def no_head_target(context) -> str:
 
 def no_curves(context) -> str:
     """Why the face's curves cannot be edited."""
-    if reason := scene_in.no_face(context):
+    if reason := scene_in.no_sliders(context):
         return reason
     face = scene_in.face_of(context)
-    if face.data.shape_keys is None:
-        return iface_("{name} has no sliders: press Attach Muscles").format(name=face.name)
     if reason := writable.no_sliders(face):
         return reason
     if not (curves := face_curves.of(face)):
@@ -168,11 +166,9 @@ def no_expression(context) -> str:
 
 def no_expression_on_face(context) -> str:
     """Why no expression can be put on the face."""
-    if reason := scene_in.no_face(context) or no_expression(context):
+    if reason := scene_in.no_sliders(context) or no_expression(context):
         return reason
     face = scene_in.face_of(context)
-    if face.data.shape_keys is None:
-        return iface_("{name} has no sliders: press Attach Muscles").format(name=face.name)
     return writable.no_sliders(face) or control_object.no_values(face)
 
 
@@ -187,7 +183,7 @@ def no_expression_strips(context) -> str:
 
 def no_added_controls(context) -> str:
     """Why the face cannot be given a control object."""
-    if reason := scene_in.no_face(context):
+    if reason := scene_in.no_sliders(context):
         return reason
     face = scene_in.face_of(context)
     if not scene_in.is_face(face):
@@ -204,7 +200,7 @@ def no_added_controls(context) -> str:
 
 def no_rest(context) -> str:
     """Why the face's sliders cannot be put to 0, or to anything else."""
-    if reason := scene_in.no_face(context):
+    if reason := scene_in.no_sliders(context):
         return reason
     face = scene_in.face_of(context)
     return writable.no_sliders(face) or control_object.no_values(face)

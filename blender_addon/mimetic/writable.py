@@ -9,6 +9,8 @@ object. Functions say why not and the way out, or nothing.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
@@ -88,11 +90,21 @@ def no_lens(camera: bpy.types.Object) -> str:
 
 def no_tracks(clip: bpy.types.MovieClip) -> str:
     """Why tracks and stabilisation of a clip would be lost."""
-    if clip.library:
-        return iface_(
-            "{linked}: make it local (Outliner, Blender File view: ID Data > Make Local)"
-        ).format(linked=_linked(clip))
-    return ""
+    return _no_local(clip)
+
+
+def no_objects(scene: bpy.types.Scene) -> str:
+    """Why a scene takes no new objects."""
+    return _no_local(scene)
+
+
+def collections_for(
+    scene: bpy.types.Scene, wished: Iterable[bpy.types.Collection]
+) -> list[bpy.types.Collection]:
+    """Where a scene's new objects go: into those collections that take any, else into its own.
+    Linked ones and overrides take none."""
+    own = [collection for collection in wished if not _is_foreign(collection)]
+    return own or [scene.collection]
 
 
 def own_object(scene: bpy.types.Scene, name: str) -> bpy.types.Object:
@@ -111,6 +123,19 @@ def check(reason: str) -> None:
     """Raises InvalidInput with the reason, if there is one."""
     if reason:
         raise native.invalid_input(reason)
+
+
+def _is_foreign(collection: bpy.types.Collection) -> bool:
+    return bool(collection.library or collection.override_library)
+
+
+def _no_local(block: bpy.types.ID) -> str:
+    """Why what is written to a block would be lost where it is another file's."""
+    if not block.library:
+        return ""
+    return iface_(
+        "{linked}: make it local (Outliner, Blender File view: ID Data > Make Local)"
+    ).format(linked=_linked(block))
 
 
 def _linked(block: bpy.types.ID, owner: bpy.types.Object | None = None) -> str:

@@ -151,3 +151,37 @@ def test_a_take_whose_file_is_read_only_is_saved_elsewhere_and_why_is_told(
     spare, (note, *_) = takes.save(sheet, takes.new_take("clip.mp4", str(path)))
     assert path.read_bytes() == b"mine" and Path(spare).is_file() and spare != str(path)
     assert "mine.npz is read-only" in note and "None" not in note
+
+
+@pytest.mark.parametrize("letter", ["a", "я", "笑"])
+def test_a_take_of_footage_with_a_long_name_is_saved_beside_the_file(
+    extension, sheet, tmp_path, letter
+):
+    """A name of 255 bytes is legal, and an ending more than that is not."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    takes, stem = extension("takes"), letter * (251 // len(letter.encode()))
+    for number in ("", ".002"):
+        path, notes = takes.save(sheet, takes.new_take(f"{stem}.mp4"))
+        name = Path(path).name
+        kept = name.removesuffix(f"{number}.performance.npz")
+        assert Path(path).parent == tmp_path and Path(path).is_file() and notes == []
+        assert kept != name and stem.startswith(kept) and len(kept.encode()) > 200
+
+
+@pytest.mark.newest
+def test_a_take_is_saved_elsewhere_where_a_new_name_cannot_even_be_looked_up(
+    extension, sheet, tmp_path, monkeypatch
+):
+    takes = extension("takes")
+    new = dataclasses.replace(takes.new_take("clip.mp4"), folder=tmp_path / "shut")
+    exists = Path.exists
+
+    def look_up(path, **options):
+        if path.parent == new.folder:
+            raise PermissionError(13, "Permission denied", str(path))
+        return exists(path, **options)
+
+    monkeypatch.setattr(Path, "exists", look_up)
+    spare, (note, *_) = takes.save(sheet, new)
+    assert Path(spare).is_file() and Path(spare).parent == new.spare
+    assert f"{new.folder} cannot be written (Permission denied)" in note

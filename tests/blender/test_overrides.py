@@ -168,8 +168,9 @@ def test_bones_of_an_overridden_rig_play_by_its_own_table(
     np.testing.assert_allclose(np.array(rig.pose.bones["jaw"].matrix_basis), turned, atol=1e-6)
 
 
-def test_an_overridden_collection_is_compared_beside_it(extension, bake, performance, tmp_path):
-    """It takes no objects: the copy is in the scene's own."""
+@pytest.fixture
+def in_override(bake, performance, tmp_path):
+    """A face with a take in an overridden collection of another file's."""
     face = bake(performance)
     cast = bpy.data.collections.new("Cast")
     cast.objects.link(face)
@@ -187,7 +188,30 @@ def test_an_overridden_collection_is_compared_beside_it(extension, bake, perform
     (face,) = (obj for obj in scene.objects if obj.type == "MESH")
     assert face.users_collection[0].override_library
     bpy.context.view_layer.objects.active = face
+    return face
+
+
+def test_an_overridden_collection_is_compared_beside_it(extension, in_override):
+    """It takes no objects: the copy is in the scene's own."""
     assert bpy.ops.mimetic.compare_take() == {"FINISHED"}
     twin = bpy.data.objects[result()["copy"]]
-    assert list(twin.users_collection) == [scene.collection]
+    assert list(twin.users_collection) == [bpy.context.scene.collection]
     assert playing(extension, twin) == "hero"
+
+
+def test_a_local_face_in_an_overridden_collection_gets_controls_and_lights(extension, in_override):
+    scene = bpy.context.scene
+    in_override.select_set(True)
+    assert bpy.ops.object.make_local(type="SELECT_OBDATA") == {"FINISHED"}
+    face = bpy.context.view_layer.objects.active
+    assert not face.override_library and face.users_collection[0].override_library
+    face.animation_data_clear()
+    face.data.shape_keys.animation_data_clear()
+    assert bpy.ops.mimetic.add_control_object() == {"FINISHED"}
+    control = face.mimetic.control_object
+    assert list(control.users_collection) == [scene.collection]
+    face.mimetic.has_lights = False
+    before = set(scene.objects)
+    extension("scene_out.face_lights").ensure(scene, face)
+    lamps = set(scene.objects) - before
+    assert [list(lamp.users_collection) for lamp in lamps] == [[scene.collection]] * 2

@@ -236,3 +236,61 @@ def test_a_drag_in_any_window_counts(extension, monkeypatch):
     assert pins._is_dragging() and pins._is_busy()
     windows.pop()
     assert pins._is_busy() and not pins._is_dragging()
+
+
+def test_landmarks_wait_while_the_clips_offset_is_another(extension, scene, found):
+    """Their markers lie on other pictures then: nobody dragged them there."""
+    face_fit = extension("scene_out").face_fit
+    stored, content = face_fit.of_clip, face_fit.content
+    scene.frame_set(OTHER)
+    assert bpy.ops.mimetic.show_landmarks() == {"FINISHED"}
+    drag(found, NAME, 6, frame=OTHER)
+    assert bpy.ops.mimetic.follow_pins() == {"FINISHED"}
+    before = content(found)
+    for offset in (OTHER - FRAME, 1, -1, 50):
+        found.frame_offset = offset
+        scene.frame_set(FRAME)
+        select(found, NAME)
+        for button in ("follow_pins", "pin", "unpin"):
+            assert not getattr(bpy.ops.mimetic, button).poll()
+        assert extension("scene_in").no_landmarks(bpy.context, False).endswith("Landmarks Here")
+        assert extension("pins")._shown_clips(scene) == []
+        assert extension("pins").follow(found) == []
+        assert content(found) == before
+    found.frame_offset = 0
+    assert bpy.ops.mimetic.follow_pins() == {"FINISHED"}
+    assert content(found) == before
+
+    found.frame_offset = 2
+    scene.frame_set(OTHER - 2)
+    assert bpy.ops.mimetic.show_landmarks() == {"FINISHED"}
+    assert set(stored(found).pins[OTHER]) == {NAME}
+    assert extension("pins").follow(found) == []
+    drag(found, "chin", 0, 4, FRAME - 2)
+    assert extension("pins").follow(found) == ["chin"]
+    assert {frame: set(pins) for frame, pins in stored(found).pins.items()} == {
+        FRAME: {"chin"},
+        OTHER: {NAME},
+    }
+
+
+def test_markers_that_are_switched_off_are_no_drags(extension, found):
+    fit = extension("scene_out").face_fit.of_clip(found)
+    drag(found, NAME, 6)
+    tracks(found)[NAME].markers.find_frame(FRAME, exact=True).mute = True
+    assert extension("scene_out").landmarks.find_moves(found, fit) == {}
+
+
+def test_landmarks_of_a_file_of_before_lie_by_the_offset_that_it_has(
+    extension, found, found_fit, tmp_path
+):
+    found.frame_offset = 1
+    extension("scene_out").face_fit.store(found, found_fit)
+    found.mimetic.property_unset("landmark_offset")
+    path = str(tmp_path / "before.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    clip = bpy.context.scene.mimetic.clip
+    assert extension("scene_in").shows_landmarks(clip)
+    clip.frame_offset = 0
+    assert not extension("scene_in").shows_landmarks(clip)

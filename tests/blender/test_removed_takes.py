@@ -22,3 +22,12 @@ def test_actions_go_with_a_take_in_spite_of_copies_of_an_earlier_version(bake, s
     assert set(result()["actions"]) == (set() if is_used else names)
     assert (names <= {action.name for action in bpy.data.actions}) == is_used
     assert ("its actions are used elsewhere" in result()["message"]) == is_used
+
+
+def test_actions_that_were_removed_before_are_not_called_used(bake, sheet):
+    face = bake(sheet)
+    for action in list(bpy.data.actions):
+        bpy.data.actions.remove(action)
+    assert bpy.ops.mimetic.remove_take() == {"FINISHED"}
+    assert result()["message"] == "hero is removed"
+    assert len(face.mimetic.takes) == 0

@@ -150,7 +150,7 @@ def test_lights_named_as_what_is_linked_are_no_error(extension, scene, asset, ba
     hidden.objects.link(face)
     scene.collection.objects.unlink(face)
     bpy.context.view_layer.layer_collection.children["Hidden"].exclude = True
-    extension("scene_out.face_lights").ensure(face)
+    extension("scene_out.face_lights").ensure(scene, face)
     lamp = bpy.data.objects["Face Light", None]
     assert lamp.parent == face and lamp not in bpy.context.view_layer.objects.values()
 

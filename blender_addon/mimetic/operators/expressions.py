@@ -43,7 +43,7 @@ class MIMETIC_OT_keep_expression(Greyed, Operator):
     frame_first: IntProperty(name="First", description="Scene frame at which it begins")
     frame_last: IntProperty(name="Last", description="Scene frame at which it ends")
 
-    obstacle = staticmethod(scene_in.no_face)
+    obstacle = staticmethod(scene_in.no_sliders)
 
     def invoke(self, context, event):
         scene = context.scene

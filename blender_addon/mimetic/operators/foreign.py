@@ -4,7 +4,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator
 
-from .. import control_preview, head_parts, heads, native, scene_out
+from .. import control_preview, head_parts, heads, native, scene_out, writable
 from ..jobs import Job
 
 
@@ -26,7 +26,9 @@ class MIMETIC_OT_add_landmarks(Job, Operator):
     bl_label = "Add Landmarks"
     bl_options = {"REGISTER", "UNDO"}
 
-    obstacle = staticmethod(heads.no_foreign_head)
+    @classmethod
+    def obstacle(cls, context):
+        return heads.no_foreign_head(context) or writable.no_objects(context.scene)
 
     def read(self, context):
         head = heads.active_head(context)

@@ -137,7 +137,7 @@ class MIMETIC_OT_take_sliders(OfLook, Operator):
     def look_obstacle(cls, context, look) -> str:
         if live.active:
             return "The live session moves the sliders: stop it first"
-        return scene_in.no_face(context)
+        return scene_in.no_sliders(context)
 
     def execute(self, context):
         look, face = live_looks.chosen(context.scene.mimetic.live), scene_in.face_of(context)

@@ -4,7 +4,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, IntProperty
 from bpy.types import Operator
 
-from .. import native, outcome, scene_in, scene_out, targets
+from .. import native, outcome, scene_in, scene_out, targets, writable
 from ..greyed import Greyed
 from ..jobs import Job
 
@@ -29,7 +29,7 @@ class MIMETIC_OT_add_face(Job, Operator):
         reason = scene_in.no_start()
         if not reason and context.mode != "OBJECT":
             reason = "Leave the edit mode first"
-        return reason
+        return reason or writable.no_objects(context.scene)
 
     def read(self, context):
         return self.use_units
@@ -40,11 +40,13 @@ class MIMETIC_OT_add_face(Job, Operator):
 
     def write(self, context, result):
         head, units = result
+        scene = context.scene
+        (collection,) = writable.collections_for(scene, [context.collection])
         face = scene_out.canonical.add(
-            context.collection, head, context.scene.cursor.location, self.subdivision, units
+            collection, head, scene.cursor.location, self.subdivision, units
         )
         if units:
-            rate = scene_in.timing(context.scene, None).scene_rate
+            rate = scene_in.timing(scene, None).scene_rate
             scene_out.expressions.ensure_units(rate)
         scene_out.canonical.select_only(context.view_layer, face)
         num_sliders = len(head.shapes) + len(units) + len(head.groups)

@@ -68,12 +68,12 @@ class MIMETIC_OT_remove_take(OnTake, Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def use(self, context, obj, row):
-        name = row.name
+        name, has_actions = row.name, any(part.action for part in row.parts)
         actions = scene_out.take_list.remove(obj, row)
         message = rpt_("{name} is removed").format(name=name)
         if actions:
             message += rpt_(", with {actions}").format(actions=", ".join(actions))
-        else:
+        elif has_actions:
             message += rpt_("; its actions are used elsewhere")
         return _with_remarks(message, obj), {"actions": actions}
 

@@ -125,7 +125,7 @@ def ensure(scene: bpy.types.Scene, face: bpy.types.Object) -> bpy.types.Object:
             remove(face)
         name = f"{face.name} Controls"
         control = bpy.data.objects.new(name, bpy.data.armatures.new(name))
-        for collection in face.users_collection:
+        for collection in writable.collections_for(scene, face.users_collection):
             collection.objects.link(control)
         control.show_in_front = True
         face.mimetic.control_object, face.mimetic.has_controls = control, True

@@ -13,7 +13,7 @@ import math
 import bpy
 from mathutils import Vector
 
-from .. import scene_in
+from .. import scene_in, writable
 
 NAME = "Face Light"
 AIM = Vector((0.0, -0.06, 0.0))  # the face, in its own frame, metres
@@ -23,7 +23,7 @@ SIZE = 0.6  # metres, square: shadows without edges
 POWER = 5.6  # watts each
 
 
-def ensure(face: bpy.types.Object) -> None:
+def ensure(scene: bpy.types.Scene, face: bpy.types.Object) -> None:
     """Gives a face its lights, once: those that were deleted stay so."""
     if face.mimetic.has_lights:
         return
@@ -33,7 +33,7 @@ def ensure(face: bpy.types.Object) -> None:
         light = bpy.data.lights.new(NAME, "AREA")
         light.shape, light.size, light.energy = "SQUARE", SIZE, POWER
         lamp = bpy.data.objects.new(NAME, light)
-        for collection in face.users_collection:
+        for collection in writable.collections_for(scene, face.users_collection):
             collection.objects.link(lamp)
         # The footage's own highlights are in its colours; two more would glare on the eyes
         light.specular_factor, lamp.visible_glossy = 0.0, False

@@ -28,6 +28,7 @@ def add(context, head: bpy.types.Object, places: Mapping, doubtful: Sequence) ->
     stands = world.matrix(head)
     inverse = stands.inverted()
     metre = context.scene.unit_settings.scale_length or 1.0
+    (collection,) = writable.collections_for(context.scene, [context.collection])
     for name, place in places.items():
         mark = bpy.data.objects.new(name, None)
         mark.mimetic.landmark = name  # Blender numbers names that are taken
@@ -36,7 +37,7 @@ def add(context, head: bpy.types.Object, places: Mapping, doubtful: Sequence) ->
         mark.show_name = mark.show_in_front = True
         mark.parent = head
         mark.location = inverse @ (_vector(place) / metre)
-        context.collection.objects.link(mark)
+        collection.objects.link(mark)
 
 
 def attach(

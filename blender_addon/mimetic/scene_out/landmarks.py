@@ -40,6 +40,7 @@ def show(clip: bpy.types.MovieClip, fit) -> None:
             track.markers.insert_frame(silent, co=OUT_OF_SIGHT).mute = True
     settings.default_pattern_size, settings.default_search_size = usual
     clip.tracking.objects.active = tracking_object
+    clip.mimetic.landmark_offset = clip.frame_offset
     place(clip, fit)
 
 
@@ -51,7 +52,7 @@ def place(clip: bpy.types.MovieClip, fit) -> None:
         places = expected_places(fit, frame)
         coordinates = native.picture().picture_coordinates(list(places.values()), fit.image_size)
         for name, coordinate in zip(places, coordinates, strict=True):
-            marker = _marker(tracks.get(name), frame - clip.frame_offset)
+            marker = _marker(clip, tracks.get(name), frame)
             if marker is not None and np.abs(np.subtract(marker.co, coordinate)).max() > 1e-7:
                 marker.co = coordinate
     for name, track in tracks.items():
@@ -72,8 +73,9 @@ def find_moves(clip: bpy.types.MovieClip, fit) -> dict[int, dict[str, tuple[floa
     moves = {}
     for frame in _frames(fit):
         places = {n: at for n, at in expected_places(fit, frame).items() if n in tracks}
-        markers = {n: _marker(tracks[n], frame - clip.frame_offset) for n in places}
-        marker_places = {n: marker.co for n, marker in markers.items() if marker is not None}
+        markers = {n: _marker(clip, tracks[n], frame) for n in places}
+        # Those that are switched off are nowhere, as those beside the frames of the fit
+        marker_places = {n: m.co for n, m in markers.items() if m is not None and not m.mute}
         pixels = native.picture().picture_pixels(list(marker_places.values()), fit.image_size)
         away = {
             name: tuple(pixel.tolist())
@@ -99,5 +101,8 @@ def _frames(fit) -> list[int]:
     return [view.frame for view in fit.views]
 
 
-def _marker(track, frame: int):
-    return track.markers.find_frame(frame, exact=True) if track is not None else None
+def _marker(clip, track, frame: int):
+    """A track's marker of a frame of the footage, or None: where `show` put it, though the clip
+    may begin at another frame by now."""
+    at = frame - clip.mimetic.landmark_offset
+    return track.markers.find_frame(at, exact=True) if track is not None else None

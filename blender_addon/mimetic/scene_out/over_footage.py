@@ -54,7 +54,7 @@ def set_up(scene: bpy.types.Scene, face: bpy.types.Object, performance, with_lig
     _put_in(tree, scene.camera.data)
     _frame(tree, scene, performance)
     if with_lights:
-        face_lights.ensure(face)
+        face_lights.ensure(scene, face)
     return "; ".join(filter(None, remarks))
 
 

@@ -48,9 +48,12 @@ def gone(row, blocks: Mapping[str, bpy.types.ID]) -> list[str]:
     """
     names = []
     for part in row.parts:
-        if isinstance(keys := blocks.get(part.name), bpy.types.Key):
+        keys = blocks.get(part.name)
+        # A mesh whose keys were applied has none left; another object may be gone itself
+        if isinstance(keys, bpy.types.Key) or (keys is None and part.name == KEYS):
+            held = keys.key_blocks if keys is not None else ()
             moved = (key_of(curve.data_path) for curve in _curves_of(part) if not _is_rest(curve))
-            names += [name for name in moved if name and name not in keys.key_blocks]
+            names += [name for name in moved if name and name not in held]
     return list(dict.fromkeys(names))
 
 

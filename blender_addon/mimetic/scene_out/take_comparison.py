@@ -7,7 +7,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from mathutils import Vector
 
-from .. import native, scene_in, world
+from .. import native, scene_in, world, writable
 from . import bound, control_object, framed, part_keys, renamed_keys, take_list
 
 BESIDE = 0.25  # metres
@@ -41,8 +41,7 @@ def stand_beside(scene: bpy.types.Scene, face: bpy.types.Object, row) -> bpy.typ
         own = _own_control(control, face, twin)
         mover = own if twin.parent == own else twin
     parts = _own_parts(face, twin)
-    editable = [c for c in face.users_collection if not (c.library or c.override_library)]
-    collections = editable or [scene.collection]  # linked ones and overrides take no objects
+    collections = writable.collections_for(scene, face.users_collection)
     for new in {twin, mover, twin.mimetic.control_object, *parts} - {None}:
         for collection in collections:
             if not scene_in.holds(collection, new):
@@ -89,7 +88,8 @@ def _own_control(control, face, twin) -> bpy.types.Object:
     twin.mimetic.control_object = own
     _hold(twin, face, {control: own})
     _hold(own, control, {face: twin})
-    animation = twin.data.shape_keys.animation_data
+    keys = twin.data.shape_keys  # none where they were applied
+    animation = keys.animation_data if keys is not None else None
     for curve in animation.drivers if animation else ():
         for variable in curve.driver.variables:
             for target in variable.targets:

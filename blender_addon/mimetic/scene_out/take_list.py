@@ -210,7 +210,8 @@ def _suit(obj: bpy.types.Object, row) -> bool:
     if KEYS not in row.parts or not (rest := _rest_of(obj)):
         return True
     is_own, keys = row.surface == _surface_of(obj), obj.data.shape_keys
-    blocks = [keys.key_blocks[entry.name] for entry in rest if entry.name in keys.key_blocks]
+    held = keys.key_blocks if keys is not None else {}  # none where they were applied
+    blocks = [held[entry.name] for entry in rest if entry.name in held]
     paths = {block.path_from_id("value") for block in blocks}
     part = row.parts[KEYS]
     for curve in compat.curves_of(part.action, part.slot_now):
