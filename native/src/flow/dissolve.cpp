@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kWidth = 96;  // pixels of the small copies
 constexpr int kPatch = 8;   // pixels on a side: as large as what a change of scene replaces
-constexpr int kLeastPatches = 8;
+constexpr std::size_t kLeastPatches = 8;
 constexpr float kLeastContrast = 16;  // grey levels^2 of a patch that shows anything
 // Five webcam and drawn sources, dissolves of .7 s, talking people, cuts, hands, slides and dark seconds:
 // `mimetic evaluate abuse`. Dissolves: correlation to .5, residual to .13, contrast to .67; a talking head
@@ -25,7 +25,19 @@ constexpr double kMostResidual = .13;  // of the energy between the ends, that n
 constexpr double kLeastStep = .08;     // of the weight, from a quarter to the next
 constexpr double kLeastShare = .05;    // of a scene that shows
 constexpr double kMostContrast = .8;   // of the middle frame, relative to the ends'
+constexpr float kLeastGain = .05F;     // of light: what is darker shows nothing
 constexpr int kSpans[] = {8, 16, 32, DissolveWatch::kLongest};  // frames between the ends
+
+/// Weights of the later scene in quarters of a span, which grow steadily: where the line through them says
+/// that both scenes show.
+MixedFrames mixed_within(int span, const std::array<double, 5>& weights) {
+    const double slope = (weights[3] - weights[1]) / 2;
+    const double middle = (weights[1] + weights[2] + weights[3]) / 3;
+    const double from = std::max(0., 2 - (middle - kLeastShare) / slope),
+                 to = std::min(4., 2 + (1 - kLeastShare - middle) / slope);
+    return {span - static_cast<int>(std::ceil(from * span / 4)),
+            span - static_cast<int>(std::floor(to * span / 4))};
+}
 
 }  // namespace
 
@@ -68,31 +80,37 @@ std::optional<MixedFrames> DissolveWatch::find(int span) const {
     const Eigen::ArrayXf energy_before = before.rowwise().squaredNorm(),
                          energy_after = after.rowwise().squaredNorm();
     const Eigen::ArrayXf products = (before.array() * after.array()).rowwise().sum();
-    std::vector<Eigen::Index> changed;
+    std::vector<Eigen::Index> changed, alike;
     double correlations = 0;
-    int num_shown = 0;
     for (Eigen::Index row = 0; row < before.rows(); ++row) {
         constexpr float kLeastEnergy = kLeastContrast * kPatch * kPatch;
         if (energy_before[row] > kLeastEnergy && energy_after[row] > kLeastEnergy) {
             const double correlation = products[row] / std::sqrt(energy_before[row] * energy_after[row]);
             correlations += correlation;
-            ++num_shown;
-            if (correlation < kUnlike) {
-                changed.push_back(row);
-            }
+            (correlation < kUnlike ? changed : alike).push_back(row);
         }
     }
-    if (num_shown < kLeastPatches || correlations > kMostAlike * num_shown ||
+    const std::size_t num_shown = changed.size() + alike.size();
+    if (num_shown < kLeastPatches || correlations > kMostAlike * static_cast<double>(num_shown) ||
         static_cast<double>(changed.size()) < kLeastChanged * static_cast<double>(before.rows())) {
         return {};
     }
-    const Patches start = before(changed, Eigen::all);
-    const Patches change = after(changed, Eigen::all) - start;
+    // Light dims or brightens what stayed with what changed: taken out, or a head that moves meanwhile lacks
+    // the contrast that a mixture lacks
+    const auto relit = [&](const Patches& frame) -> Patches {
+        const float gain =
+            alike.size() < kLeastPatches
+                ? 1
+                : std::sqrt(frame(alike, Eigen::all).squaredNorm() / before(alike, Eigen::all).squaredNorm());
+        return frame(changed, Eigen::all) / std::max(gain, kLeastGain);
+    };
+    const Patches start = before(changed, Eigen::all), end = relit(after);
+    const Patches change = end - start;
     const double energy = change.squaredNorm();
     std::array<double, 5> weights{0, 0, 0, 0, 1};
     double middle_energy = 0;
     for (int quarter = 1; quarter < 4; ++quarter) {
-        const Patches between = at(span - span * quarter / 4)(changed, Eigen::all);
+        const Patches between = relit(at(span - span * quarter / 4));
         const Patches moved = between - start;
         const double weight = moved.cwiseProduct(change).sum() / energy;
         if ((moved - static_cast<float>(weight) * change).squaredNorm() > kMostResidual * energy) {
@@ -106,21 +124,11 @@ std::optional<MixedFrames> DissolveWatch::find(int span) const {
             return {};
         }
     }
-    double usual = 0;
-    for (const Eigen::Index row : changed) {
-        usual += (1 - weights[2]) * energy_before[row] + weights[2] * energy_after[row];
-    }
+    const double usual = (1 - weights[2]) * start.squaredNorm() + weights[2] * end.squaredNorm();
     if (middle_energy > kMostContrast * usual) {
         return {};
     }
-    // Weights grow steadily: where the line through them says that both scenes show, quarters after the first
-    // end
-    const double slope = (weights[3] - weights[1]) / 2;
-    const double middle = (weights[1] + weights[2] + weights[3]) / 3;
-    const double from = std::max(0., 2 - (middle - kLeastShare) / slope),
-                 to = std::min(4., 2 + (1 - kLeastShare - middle) / slope);
-    return MixedFrames{span - static_cast<int>(std::ceil(from * span / 4)),
-                       span - static_cast<int>(std::floor(to * span / 4))};
+    return mixed_within(span, weights);
 }
 
 }  // namespace mimetic

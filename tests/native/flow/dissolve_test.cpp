@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mimetic/flow/dissolve.hpp>
 #include <mimetic/shared/error.hpp>
@@ -89,6 +90,49 @@ TEST_F(DissolveTest, TakesAFadeToBlackAndALampForNone) {
                         return mixed(scene(1, .1 * frame), other, .9 * share_at(frame));
                     }).empty());
     }
+}
+
+/// A left part of two thirds before a background that stays.
+template <typename Part>
+std::vector<std::uint8_t> in_front(const std::vector<std::uint8_t>& background, const Part& part) {
+    std::vector<std::uint8_t> pixels = background;
+    for (int y = 0; y < kRows; ++y) {
+        for (int x = 0; x < 2 * kCols / 3; ++x) {
+            const double value = std::clamp(std::round(part(x, y)), 0., 255.);
+            std::fill_n(pixels.begin() + 3 * (y * kCols + x), 3, static_cast<std::uint8_t>(value));
+        }
+    }
+    return pixels;
+}
+
+TEST_F(DissolveTest, TakesLightThatChangesOnWhatMovesForNone) {
+    const Pixels background = scene(1, 0), dark(background.size(), 16);
+    for (const double before : {1., .6}) {  // of the light, which the other follows at once or over 6 frames
+        for (const int duration : {1, 6}) {
+            watch = {};
+            const auto frames = mixed_frames([&](int frame) {
+                const auto moving = [frame](double x, double y) {
+                    return 128 + 50 * std::sin(2 * M_PI * (x + .6 * y + .4 * frame) / 20);
+                };
+                const double changed = std::clamp((frame - 29.) / duration, 0., 1.);
+                const double light = before + changed * (1.6 - 2 * before);
+                return mixed(dark, in_front(background, moving), light);
+            });
+            EXPECT_TRUE(frames.empty()) << before << " of the light at first, over " << duration;
+        }
+    }
+}
+
+TEST_F(DissolveTest, TellsADissolveBesideWhatStays) {
+    const auto first = testing::make_texture(2, 40), second = testing::make_texture(3, 40);
+    const auto frames = mixed_frames([&](int frame) {
+        return in_front(scene(1, 0), [&](double x, double y) {
+            return (1 - share_at(frame)) * first(x, y) + share_at(frame) * second(x, y);
+        });
+    });
+    ASSERT_FALSE(frames.empty());
+    EXPECT_NEAR(*frames.begin(), kStart + 1, 2);
+    EXPECT_NEAR(*frames.rbegin(), kEnd - 1, 2);
 }
 
 TEST_F(DissolveTest, RefusesFramesOfAnotherShape) {

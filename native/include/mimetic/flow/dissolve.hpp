@@ -17,7 +17,8 @@ struct MixedFrames {
 /// Within a dissolve each frame is a weighted mean of two pictures that have little in common. Three frames
 /// between two others must be such means, of growing weights, where the picture has changed; and the middle
 /// one must have less contrast than either end, as a mean of unlike pictures has, while what only moves keeps
-/// its contrast. A fade to black or a change of light leaves the picture alike, and is none.
+/// its contrast. A fade to black or a change of light leaves the picture alike, and is none; where something
+/// moves meanwhile, the light is taken out first, as the rest of the picture shows it.
 class DissolveWatch {
 public:
     static constexpr int kLongest = 64;  ///< frames between the ends that are compared at most
