@@ -61,16 +61,25 @@ void bind_locate_landmarks(py::module_& m) {
             py::arg("image").noconvert(), "start"_a,
             "The landmarks of a face.\n\nimage: (H, W, 3) uint8 RGB\nstart: (L, 2) pixels\n"
             "returns: FaceLandmarks");
+    py::class_<RestSigns>(m, "RestSigns",
+                          "What tells of a face in an image whether it is at rest; contrasts and brightness "
+                          "are relative\nto the skin's brightness.")
+        .def_readonly("frontal", &RestSigns::frontal)
+        .def_readonly("mouth_contrast", &RestSigns::mouth_contrast)
+        .def_readonly("mouth_edges", &RestSigns::mouth_edges)
+        .def_readonly("cheek_contrast", &RestSigns::cheek_contrast)
+        .def_readonly("pupil_brightness", &RestSigns::pupil_brightness);
     m.def(
-        "rest_score",
+        "rest_signs",
         [](const ImageArray& image, const FaceFeatures& face) {
             const ColorView view = view_image<3>(image, "image");
             const py::gil_scoped_release release;
-            return rest_score(view, face);
+            return rest_signs(view, face);
         },
-        py::arg("image").noconvert(), "face"_a,
-        "How much a face in an image (H, W, 3) is at rest, 0 to 1: frontal, level, eyes open, mouth at "
-        "rest.");
+        py::arg("image").noconvert(), "face"_a, "Of a face in an image (H, W, 3).");
+    m.def("rest_scores", &rest_scores, "frames"_a,
+          "(F,) how much a face is at rest in each of a clip's frames (RestSigns), 0 to 1: frontal, level, "
+          "eyes open,\nmouth at rest.");
     m.def(
         "face_detail",
         [](const ImageArray& image, const FaceFeatures& face) {
@@ -88,13 +97,13 @@ void bind_locate_landmarks(py::module_& m) {
     m.def(
         "usual_expression", &usual_expression, "expressions"_a, "scores"_a, "rest"_a = py::none(),
         "(F,) how near each frame's expression (F, 6) is to its clip's median, 0 to 1. scores: (F,) of "
-        "rest_score; "
+        "rest_scores; "
         "where\nmost frames are plainly not at rest, the others alone say what is usual. rest: index of the "
         "frame that is\nknown to show rest: how near to it.");
     m.def("costs_of_rest", &costs_of_rest, "values"_a, "lids"_a, "scores"_a, "details"_a,
           "(F,) how little a frame serves as rest; the least is the best. values: (F, M) of what moves the "
           "skin, relative\nto any one of the frames; lids: (F, L), 1 where shut; scores, details: (F,) of "
-          "rest_score, "
+          "rest_scores, "
           "face_detail.");
     m.def("num_alike", &num_alike, "expressions"_a, "frame"_a,
           "How many frames have the expression (F, 6) of the one at index `frame`, it among them.");

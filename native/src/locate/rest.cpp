@@ -13,17 +13,22 @@ namespace mimetic {
 
 namespace {
 
-/// Upper limit for faces at rest, and how fast the score falls beyond it (real webcam clips): relative to the
-/// cheek's brightness.
+/// Upper limit of a sign in faces at rest, and how fast the score falls beyond it (real webcam clips):
+/// relative to the cheek's brightness.
 struct AtRest {
+    double RestSigns::* sign;
     double usual;
     double spread;
 };
-constexpr AtRest kMouthContrast{.13, .03};  // two lips and a line; teeth or an open mouth's dark add to it
-constexpr AtRest kMouthEdges{.09, .02};
-constexpr AtRest kCheekContrast{.09, .04};            // the smile's fold
-constexpr AtRest kPupilBrightness{.33, .08};          // closed lids are as bright as skin
-constexpr double kLevel = .25;                        // rad
+// Sharpening multiplies these. Contrast of the mouth: two lips and a line; teeth or an open mouth's dark add
+// to it. Of the cheek: the smile's fold.
+constexpr AtRest kContrasts[] = {{&RestSigns::mouth_contrast, .13, .03},
+                                 {&RestSigns::mouth_edges, .09, .02},
+                                 {&RestSigns::cheek_contrast, .09, .04}};
+constexpr AtRest kPupils{&RestSigns::pupil_brightness, .33, .08};  // closed lids are as bright as skin
+constexpr double kLeastAtRest = .2;  // of a clip's frames: their contrasts are those of this footage at rest
+constexpr double kSmiles = 1.25;     // of the usual: to 1.24 where somebody smiles all along, unsharpened
+constexpr double kLevel = .25;       // rad
 constexpr double kFrontal = .1, kMouthFrontal = .12;  // pupil distances off the middle
 constexpr double kSmooth =
     .75;  // of the second differences in a face: borders of an encoder's blocks are above
@@ -40,7 +45,7 @@ constexpr double kPerExcess = 2;      // cost of an activation above that
 constexpr double kPerLid = 20;        // cost of a lid's way to shut, beyond what a look aside takes
 constexpr double kLidAtRest = .25;    // of it, beside its place in the more open frames
 constexpr double kOpenLid = .25;      // of a clip's frames are these: somebody may weep for half of it
-constexpr double kPerScore = .5;      // of the logarithm of rest_score
+constexpr double kPerScore = .5;      // of the logarithm of rest_scores
 constexpr double kPerDetail = .4;     // of the logarithm of what there is of the detail
 constexpr double kLeastShare = 1e-9;  // whose logarithm is taken
 
@@ -104,9 +109,27 @@ private:
     Eigen::Vector2d middle_, across_, down_;
 };
 
+/// The score's factor of a sign, 0 to 1.
 double beyond(double value, const AtRest& rest) {
     const double off = std::max(0., value - rest.usual) / rest.spread;
     return std::exp(-.5 * off * off);
+}
+
+/// By what all contrasts of a clip's frames are multiplied, beyond what smiles add; 1 at least. One contrast
+/// alone may be this face's own, such as a beard's.
+double sharpening(const std::vector<RestSigns>& frames) {
+    if (frames.empty()) {
+        return 1;
+    }
+    std::vector<double> shares;
+    for (const AtRest& contrast : kContrasts) {
+        std::vector<double> values;
+        for (const RestSigns& signs : frames) {
+            values.push_back(signs.*contrast.sign);
+        }
+        shares.push_back(quantile(values, kLeastAtRest) / contrast.usual);
+    }
+    return std::max(1., median(shares) / kSmiles);
 }
 
 /// Which of a clip's frames determine the usual expression.
@@ -160,12 +183,13 @@ void check_sizes(const Expressions& expressions, VectorIn values) {
 
 }  // namespace
 
-double rest_score(ColorView image, const FaceFeatures& face) {
+RestSigns rest_signs(ColorView image, const FaceFeatures& face) {
     const FaceFrame frame(image, face);
     const double off_nose = frame.midway("ala") / kFrontal,
                  off_mouth = frame.midway("mouth_corner") / kMouthFrontal, off_level = frame.roll() / kLevel;
-    double score = face.likelihood *
-                   std::exp(-.5 * (off_nose * off_nose + off_mouth * off_mouth + off_level * off_level));
+    const double frontal =
+        face.likelihood *
+        std::exp(-.5 * (off_nose * off_nose + off_mouth * off_mouth + off_level * off_level));
     std::vector<double> cheeks;
     for (const double x : {-.5, .5}) {
         const Window cheek = frame.window(x, .65, .1, .1);
@@ -187,9 +211,20 @@ double rest_score(ColorView image, const FaceFeatures& face) {
         const Eigen::Vector2d at = frame.place(name);
         pupils += frame.window(at.x(), at.y(), .07, .07).mean() / 2;
     }
-    score *= beyond(contrast / skin, kMouthContrast) * beyond(edges / skin, kMouthEdges) *
-             beyond(fold / skin, kCheekContrast) * beyond(pupils / skin, kPupilBrightness);
-    return score;
+    return {frontal, contrast / skin, edges / skin, fold / skin, pupils / skin};
+}
+
+Eigen::VectorXd rest_scores(const std::vector<RestSigns>& frames) {
+    const double sharpened = sharpening(frames);
+    Eigen::VectorXd scores(static_cast<Eigen::Index>(frames.size()));
+    std::transform(frames.begin(), frames.end(), scores.begin(), [sharpened](const RestSigns& signs) {
+        double score = signs.frontal * beyond(signs.pupil_brightness, kPupils);
+        for (const AtRest& contrast : kContrasts) {
+            score *= beyond(signs.*contrast.sign / sharpened, contrast);
+        }
+        return score;
+    });
+    return scores;
 }
 
 double face_detail(ColorView image, const FaceFeatures& face) {

@@ -44,12 +44,40 @@ std::vector<std::uint8_t> drawn(bool has_open_mouth) {
 TEST(Rest, AnOpenMouthIsNone) {
     const FaceFeatures face = some_face();
     const auto closed = drawn(false), open = drawn(true);
-    const double at_rest = rest_score({closed.data(), 200, 200, 600}, face);
-    EXPECT_GT(at_rest, .9);
-    EXPECT_LT(rest_score({open.data(), 200, 200, 600}, face), .2 * at_rest);
+    const RestSigns at_rest = rest_signs({closed.data(), 200, 200, 600}, face);
+    const Eigen::VectorXd scores =
+        rest_scores({at_rest, at_rest, rest_signs({open.data(), 200, 200, 600}, face)});
+    EXPECT_GT(scores[0], .9);
+    EXPECT_LT(scores[2], .2 * scores[0]);
     FaceFeatures less = face;
     less.features.erase(less.features.begin() + 2);
-    EXPECT_THROW(rest_score({closed.data(), 200, 200, 600}, less), InvalidInput);
+    EXPECT_THROW(rest_signs({closed.data(), 200, 200, 600}, less), InvalidInput);
+}
+
+/// As a face at rest and one that laughs are seen, with all contrasts multiplied as sharpening does.
+std::vector<RestSigns> sharpened(double by) {
+    const auto seen = [by](double mouth, double edges, double cheek) {
+        return RestSigns{.9, by * mouth, by * edges, by * cheek, .3};
+    };
+    const RestSigns at_rest = seen(.13, .09, .09), laughing = seen(.2, .13, .15);
+    return {laughing, at_rest, at_rest, laughing, at_rest, laughing};
+}
+
+TEST(Rest, IsToldInSharpenedFootage) {
+    EXPECT_EQ(rest_scores({}).size(), 0);
+    for (const double by : {.8, 1., 1.25, 2.5}) {
+        const Eigen::VectorXd scores = rest_scores(sharpened(by));
+        EXPECT_GT(scores[1], .2) << by;
+        EXPECT_LT(scores[0], .5 * scores[1]) << by;
+    }
+}
+
+TEST(Rest, ASmileThatLastsAndOneContrastAloneAreNotSharpening) {
+    const RestSigns smiling = sharpened(1.2)[1], bearded{.9, .13, .09, .3, .3};
+    for (const RestSigns& signs : {smiling, bearded}) {
+        const double beside_smooth_frames = rest_scores({signs, {}, {}})[0];
+        EXPECT_NEAR(rest_scores({signs, signs, signs})[0], beside_smooth_frames, 1e-12);
+    }
 }
 
 TEST(Rest, ExpressionIsMeasuredInPupilDistances) {

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from drawn_face import draw
 from mimetic import InvalidInput, UnreadableMedia, _core
-from mimetic._core import chances_of_rest
+from mimetic._core import chances_of_rest, rest_scores
 from mimetic.fit.fitting import (
     FaceFit,
     NoFace,
@@ -104,7 +104,8 @@ def test_frame_at_rest_is_chosen_before_a_talking_a_blinking_and_a_blurred_one(d
     faces = [one for one in candidates if one is not None]
     assert faces[0] is candidates[0]
     rest, *worse = chances_of_rest(
-        *(np.array([vars(one)[key] for one in faces]) for key in ("score", "detail", "expression"))
+        rest_scores([one.signs for one in faces]),
+        *(np.array([vars(one)[key] for one in faces]) for key in ("detail", "expression")),
     )
     assert max(worse, default=0.0) < 0.7 * rest
 

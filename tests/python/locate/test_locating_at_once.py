@@ -7,10 +7,13 @@ import numpy as np
 from mimetic.fit.fitting import judge_frame
 from mimetic.media.footage import Footage
 
+SIGNS = ("frontal", "mouth_contrast", "mouth_edges", "cheek_contrast", "pupil_brightness")
+
 
 def told(judged) -> np.ndarray:
     places = [feature.position for feature in judged.features.features]
-    return np.concatenate([judged.expression, [judged.score, judged.detail], *places])
+    signs = [getattr(judged.signs, name) for name in SIGNS]
+    return np.concatenate([judged.expression, signs, [judged.detail], *places])
 
 
 def test_threads_do_not_meet_in_the_detector(rendered_clip):

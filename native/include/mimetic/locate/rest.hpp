@@ -12,9 +12,23 @@ namespace mimetic {
 using Expression = Eigen::Matrix<double, 6, 1>;
 using Expressions = Rows<double, 6>;  ///< one a frame
 
-/// How much a face in an image is at rest, 0 to 1: frontal, level, eyes open and mouth at rest. Throws
-/// InvalidInput for a face without pupils, alae and mouth corners.
-double rest_score(ColorView image, const FaceFeatures& face);
+/// What tells of a face in an image whether it is at rest. Contrasts and brightness are relative to the
+/// skin's brightness.
+struct RestSigns {
+    double frontal = 0;           ///< 0 to 1: how sure the finder is of a face that is frontal and level
+    double mouth_contrast = 0;    ///< teeth and an open mouth's dark add to it
+    double mouth_edges = 0;       ///< likewise
+    double cheek_contrast = 0;    ///< the smile's fold adds to it
+    double pupil_brightness = 0;  ///< closed lids are as bright as skin
+};
+
+/// Throws InvalidInput for a face without pupils, alae and mouth corners.
+RestSigns rest_signs(ColorView image, const FaceFeatures& face);
+
+/// F: how much a face is at rest in each of a clip's frames, 0 to 1: frontal, level, eyes open and mouth at
+/// rest. A camera's sharpening multiplies all contrasts: where nearly all frames have more than smiles add to
+/// those usual at rest, they are compared with those of the clip's smoother frames.
+Eigen::VectorXd rest_scores(const std::vector<RestSigns>& frames);
 
 /// Fine detail of a face, grey levels. Strong compression, motion blur and defocus remove it.
 double face_detail(ColorView image, const FaceFeatures& face);
@@ -24,7 +38,7 @@ Expression expression_of(const FaceFeatures& face);
 
 /// F: how near each frame's expression is to the clip's median, 0 to 1. Each part of a face is at rest in
 /// most of a clip's frames, though rarely all at once; so the median of each value is its rest, whatever the
-/// person looks like. scores: F of rest_score; where most frames are clearly not at rest (a long smile), the
+/// person looks like. scores: F of rest_scores; where most frames are clearly not at rest (a long smile), the
 /// median is of the others alone. rest: the frame that is known to show rest, which the others are compared
 /// with instead of the median.
 Eigen::VectorXd usual_expression(const Expressions& expressions, VectorIn scores,

@@ -67,7 +67,7 @@ def face_likelihood(image: NDArray[np.uint8]) -> float:
 class Judged:
     """What the finder measures in one frame; all but `features` compare a clip's frames."""
 
-    score: float
+    signs: _core.RestSigns
     detail: float
     expression: NDArray[np.float64]  # 6
     features: _core.FaceFeatures
@@ -85,8 +85,8 @@ def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = Non
         return None
     face = faces[0 if near is None else _nearest(faces, near)]
     image = _core.well_lit(image, face)
-    score, detail = _core.rest_score(image, face), _core.face_detail(image, face)
-    return Judged(score, detail, _core.expression_of(face), face, faces)
+    signs, detail = _core.rest_signs(image, face), _core.face_detail(image, face)
+    return Judged(signs, detail, _core.expression_of(face), face, faces)
 
 
 def find_face(

@@ -88,7 +88,7 @@ class LiveHeads:
         if not judged:
             return np.argsort([one for one in judgements if isinstance(one, float)])
         chances = _core.chances_of_rest(
-            np.array([one.score for one in judged]),
+            _core.rest_scores([one.signs for one in judged]),
             np.array([one.detail for one in judged]),
             np.array([one.expression for one in judged]),
         )

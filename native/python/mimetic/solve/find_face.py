@@ -193,11 +193,12 @@ def _costs_seen_from(
     for frame, moved in moved_from(footage, reference, set(judgements), skin):
         _go_on(progress, len(followed) / len(judgements), f"looking for rest: frame {frame}")
         followed[frame] = moved
-    scores, _, details = _compared({frame: judgements[frame] for frame in followed})
+    scores, _, details = _compared(judgements)
+    rows = [list(judgements).index(frame) for frame in followed]
     values, lids = (
         np.array([getattr(m, n) for m in followed.values()]) for n in ("values", "lids")
     )
-    costs = _core.costs_of_rest(values, lids, scores, details)
+    costs = _core.costs_of_rest(values, lids, scores[rows], details[rows])
     return dict(zip(followed, costs.tolist(), strict=True))
 
 
@@ -228,8 +229,10 @@ def _compared(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Scores, expressions and details of the frames, in their order."""
     rows = judgements.values()
-    scores, details = (np.array([getattr(one, n) for one in rows]) for n in ("score", "detail"))
-    return scores, np.array([one.expression for one in rows]), details
+    expressions, details = (
+        np.array([getattr(one, n) for one in rows]) for n in ("expression", "detail")
+    )
+    return _core.rest_scores([one.signs for one in rows]), expressions, details
 
 
 def _candidates(
