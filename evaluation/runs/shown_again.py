@@ -17,18 +17,20 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Collection
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 from mimetic import InvalidInput
+from mimetic.fit.face_fit import FaceFit
 from mimetic.media.footage import Footage
 from mimetic.muscles.sides import mirrored_name, mirrored_sign
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import GAZE
 from mimetic.score.text_table import text_table
 from mimetic.solve import clip_capture
+from mimetic.solve.capture_summary import CaptureSummary
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -86,12 +88,24 @@ COLUMNS = {
 }
 
 
-def captured(frames: Frames, fps: float, crf: int = FINE) -> Performance:
-    """The performance of frames that are coded first; raises InvalidInput."""
+@dataclass(frozen=True)
+class Captured:
+    performance: Performance
+    fit: FaceFit  # that it was followed from
+
+
+def captured(frames: Frames, fps: float, crf: int = FINE, fit: FaceFit | None = None) -> Captured:
+    """Of frames that are coded first; fit: of the same frame, found if none is given.
+
+    Raises InvalidInput.
+    """
+    summary = CaptureSummary()
     with TemporaryDirectory() as folder:
         path = Path(folder) / "clip.mp4"
         encode(np.ascontiguousarray(frames), path, replace(TEST, fps=round(fps), crf=crf))
-        return clip_capture.capture(path)
+        performance = clip_capture.capture(path, fit=fit, summary=summary)
+    assert summary.fit is not None
+    return Captured(performance, summary.fit)
 
 
 def curves(performance: Performance, way: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -127,10 +141,10 @@ def figures(first: Performance, second: Performance, way: str) -> dict[str, floa
     }
 
 
-def shown(frames: Frames, fps: float, first: Performance, way: str) -> dict[str, float]:
+def shown(frames: Frames, fps: float, first: Captured, way: str) -> dict[str, float]:
     """Figures of the frames shown in one way, beside their first capture; raises InvalidInput."""
     second = captured(WAYS[way](frames), fps, COARSE if way == CODED else FINE)
-    return figures(first, second, way)
+    return figures(first.performance, second.performance, way)
 
 
 def compare(
@@ -138,12 +152,12 @@ def compare(
     description: str | None,
     ways: Collection[str],
     columns: dict[str, tuple[str, str]],
-    of_way: Callable[[Frames, float, Performance, str], dict[str, float]],
+    of_way: Callable[[Frames, float, Captured, str], dict[str, float]],
     arguments: list[str] | None,
 ) -> int:
     """A command that captures clips, and again in each way, and prints figures; its exit code.
 
-    of_way: figures of a clip's frames, their rate, their performance as they are, and a way.
+    of_way: figures of a clip's frames, their rate, their capture as they are, and a way.
     """
     parser = argparse.ArgumentParser(prog=f"evaluation.runs.{name}", description=description)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter

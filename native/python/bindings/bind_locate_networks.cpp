@@ -4,6 +4,7 @@
 #include <mimetic/locate/feature_networks.hpp>
 #include <mimetic/locate/feature_noise.hpp>
 #include <mimetic/locate/network_features.hpp>
+#include <mimetic/locate/occlusion.hpp>
 #include <mimetic/shared/error.hpp>
 #include <string>
 
@@ -51,6 +52,48 @@ void bind_eye(py::class_<Source>& source, const std::string& returned) {
          "left: the subject's left eye\nreturns: " +
          returned)
             .c_str());
+}
+
+void bind_occlusion(py::module_& m) {
+    py::class_<Occlusion>(m, "Occlusion", "How probably something is before a face.")
+        .def_readonly("square", &Occlusion::square, "FeatureCrop that the cells divide")
+        .def_property_readonly(
+            "cells", [](const Occlusion& o) { return o.cells; }, "(24, 24) 0 to 1, from the top left")
+        .def(
+            "at",
+            [](const Occlusion& self, const Points2& pixels) {
+                Eigen::VectorXd shares(pixels.rows());
+                for (Eigen::Index i = 0; i < pixels.rows(); ++i)
+                    shares[i] = self.at(pixels.row(i).transpose());
+                return shares;
+            },
+            "pixels"_a, "(K,) at pixels (K, 2) of the picture; 0 beside the square")
+        .def("share", &Occlusion::share, "probability"_a = .5,
+             "0 to 1: of a frontal face, what is hidden by more than a probability")
+        .def("is_sure", &Occlusion::is_sure, "whether something is before the face without doubt");
+    py::class_<OcclusionNetwork>(m, "OcclusionNetwork", "Sees what is before a face.")
+        .def(py::init<const std::string&>(), "file"_a,
+             "ONNX file of scripts/train_occlusion. Raises UnreadableMedia.")
+        .def(
+            "see",
+            [](const OcclusionNetwork& self, const ImageArray& image, const FeatureCrop& square) {
+                const ColorView view = view_image<3>(image, "image");
+                py::gil_scoped_release release;
+                return self.see(view, square);
+            },
+            py::arg("image").noconvert(), "square"_a,
+            "Occlusion of a face.\n\nimage: (H, W, 3) uint8 RGB; square: `occlusion_square`. Raises "
+            "InvalidInput:\nit lies beside the picture.");
+    m.def(
+        "occlusion_square",
+        [](const Camera& camera, const Eigen::Matrix4d& camera_from_head) {
+            return occlusion_square(camera, to_isometry(camera_from_head));
+        },
+        "camera"_a, "camera_from_head"_a,
+        "FeatureCrop that an OcclusionNetwork is shown, of the head at a pose. Raises InvalidInput.");
+    m.def(
+        "occlusion_square", [](const FaceFeatures& face) { return occlusion_square(face); }, "face"_a,
+        "The same of a face that was found, about.");
 }
 
 void bind_locate_networks(py::module_& m) {
@@ -131,6 +174,7 @@ void bind_locate_networks(py::module_& m) {
     regressor.def(py::init<const std::string&>(), "file"_a,
                   "ONNX file of scripts/train_eyes_and_lips. Raises UnreadableMedia.");
     bind_eye(regressor, "EyePoints, of whose contour the 16 points round the eye");
+    bind_occlusion(m);
     m.def(
         "eye_features",
         [](const EyePoints& left, const EyePoints& right, double presence) {

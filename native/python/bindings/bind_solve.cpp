@@ -100,8 +100,9 @@ void bind_model(py::module_& m) {
         .def(py::init<>())
         .def(py::init([](std::vector<FeatureOpening> openings,
                          const std::variant<const FeatureNetworks*, const EyeRegressor*>& source,
-                         const Camera& camera, const Points& anchors) {
+                         const Camera& camera, const Points& anchors, const OcclusionNetwork& occlusion) {
                  FeatureInputs inputs{std::move(openings), {}};
+                 inputs.occlusion = see_occlusion(occlusion, camera);
                  if (const auto* networks = std::get_if<const FeatureNetworks*>(&source)) {
                      inputs.source = see_by_networks(**networks, camera, anchors);
                  } else {
@@ -110,9 +111,12 @@ void bind_model(py::module_& m) {
                  }
                  return inputs;
              }),
-             "openings"_a, py::arg("source").none(false), "camera"_a, "anchors"_a, py::keep_alive<1, 3>(),
+             "openings"_a, py::arg("source").none(false), "camera"_a, "anchors"_a, "occlusion"_a,
+             py::keep_alive<1, 3>(), py::keep_alive<1, 6>(),
              "openings: left eye, right eye, mouth; source: FeatureNetworks, or EyeRegressor for the eyes\n"
-             "alone; anchors: (6, 3), as feature_crops has them.");
+             "alone; anchors: (6, 3), as feature_crops has them; occlusion: an OcclusionNetwork, without "
+             "which\n"
+             "nothing is taken to be before the face.");
     py::class_<StageTimes>(m, "StageTimes", "Milliseconds of one frame's stages.")
         .def_readonly("predict_ms", &StageTimes::predict_ms)
         .def_readonly("features_ms", &StageTimes::features_ms)
@@ -154,6 +158,9 @@ void bind_estimate(py::module_& m) {
         .def_readonly("held", &FrameEstimate::held, "nothing was measured: repeats the last good state")
         .def_readonly("found_again", &FrameEstimate::found_again,
                       "from search or a guess, not tracked: it may be another face")
+        .def_readonly("covered", &FrameEstimate::covered,
+                      "0 to 1: share of what is measured of the face that something is before, which was not "
+                      "before\nit in the reference frame")
         .def_readonly("num_samples", &FrameEstimate::num_samples)
         .def_readonly("num_explained", &FrameEstimate::num_explained)
         .def_readonly("residual_px", &FrameEstimate::residual_px)

@@ -13,6 +13,7 @@ namespace mimetic::locate {
 namespace {
 
 constexpr int kMostHalves = 16;
+constexpr double kLeastContrast = 0.02;  // as `scripts/build/eyes_and_lips/training.py` has it
 
 /// Pixels of the picture from places in the crop, whose sides go from 0 to 1.
 Eigen::Matrix<double, 2, 3> image_from_crop(const FeatureCrop& crop) {
@@ -76,6 +77,17 @@ cv::Mat blob_of(ColorView image, const FeatureCrop& crop, int side, bool mirrore
     cv::warpAffine(picture, square, warp, {side, side}, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
                    cv::BORDER_REPLICATE);
     return cv::dnn::blobFromImage(square, 1.0 / 255);
+}
+
+cv::Mat standardised(const cv::Mat& blob) {
+    const cv::Mat values = blob.reshape(1, 1);
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(values, mean, deviation);
+    cv::Mat even;
+    values.convertTo(even, CV_32F, 1 / (deviation[0] + kLeastContrast),
+                     -mean[0] / (deviation[0] + kLeastContrast));
+    const int shape[] = {1, blob.size[1], blob.size[2], blob.size[3]};
+    return even.reshape(1, 4, shape);
 }
 
 Points2 in_picture(const Points2& shares, const FeatureCrop& crop, bool mirrored) {

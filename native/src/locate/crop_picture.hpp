@@ -10,6 +10,10 @@ namespace mimetic::locate {
 /// picture repeats its border. Throws InvalidInput for a crop of which nothing is in the picture.
 cv::Mat blob_of(ColorView image, const FeatureCrop& crop, int side, bool mirrored);
 
+/// The same of mean 0 and deviation 1, as networks of our own take it: light and contrast of a picture tell
+/// them nothing.
+cv::Mat standardised(const cv::Mat& blob);
+
 /// Pixels of the picture of points in sides of the crop.
 Points2 in_picture(const Points2& shares, const FeatureCrop& crop, bool mirrored);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <mimetic/shared/error.hpp>
 
+#include "crop_picture.hpp"
 #include "network_file.hpp"
 
 namespace mimetic::locate {
@@ -12,20 +13,8 @@ namespace {
 
 constexpr int kSide = 64;
 // As `scripts/build/eyes_and_lips/training.py` has them
-constexpr double kLeastContrast = 0.02, kLeastSpread = 0.003;
+constexpr double kLeastSpread = 0.003;
 constexpr double kSmallestLog = -7, kLargestLog = 2;
-
-/// Light and contrast of a picture say nothing about where its points are.
-cv::Mat standardised(const cv::Mat& blob) {
-    const cv::Mat values = blob.reshape(1, 1);
-    cv::Scalar mean, deviation;
-    cv::meanStdDev(values, mean, deviation);
-    cv::Mat even;
-    values.convertTo(even, CV_32F, 1 / (deviation[0] + kLeastContrast),
-                     -mean[0] / (deviation[0] + kLeastContrast));
-    const int shape[] = {1, 3, kSide, kSide};
-    return even.reshape(1, 4, shape);
-}
 
 }  // namespace
 

@@ -17,13 +17,15 @@ double ratio_or_zero(double part, double whole) { return whole > 0 ? part / whol
 }  // namespace
 
 FaceRegistrar::FaceRegistrar(const TrackedFace& face, const ReferenceViews& views,
-                             ErrorField<float> error_field, const FeatureEvidence& features)
+                             ErrorField<float> error_field, const FeatureEvidence& features,
+                             const Cover& cover)
     : face_(face),
       views_(views),
       features_(features),
+      cover_(cover),
       solver_(face.motion, std::move(error_field)),
       texture_flow_(face.options.flow_method),
-      sight_(face),
+      sight_(face, cover),
       likeness_(face.options.crop_height) {}
 
 Registration FaceRegistrar::register_face(const Expectation& expected, const FaceState& start,
@@ -167,6 +169,29 @@ FaceRegistrar::Appearance FaceRegistrar::look_at(const FaceState& state, FrameAt
         }
     }
     return seen;
+}
+
+double FaceRegistrar::alike_behind_cover(const FaceState& state, FrameAtHand& frame) {
+    const StageClock clock(frame.times.warp_ms);
+    ProjectedSurface projected;
+    projected.update(face_.surface, face_.camera, state.camera_from_head, state.values);
+    ReferenceView& view = *views_.near(state.camera_from_head).front();
+    std::vector<const ReferenceSample*> behind;
+    for (const ReferenceSample& sample : view.samples()) {
+        if (cover_.came(place_of(sample, face_.surface.triangles(), projected).cast<double>())) {
+            behind.push_back(&sample);
+        }
+    }
+    if (behind.empty()) {
+        return 0;
+    }
+    view.stabilise(face_.surface.triangles(), projected, frame.prepared, map_, stabilised_);
+    const cv::Mat1f everywhere = view.sample_weights(std::vector<float>(view.samples().size(), 1));
+    likeness_.compare(view.texture(), stabilised_, everywhere);
+    const auto num_alike = std::ranges::count_if(behind, [this](const ReferenceSample* sample) {
+        return likeness_.correlations()(sample->y, sample->x) >= Likeness::kAlike;
+    });
+    return static_cast<double>(num_alike) / static_cast<double>(behind.size());
 }
 
 bool FaceRegistrar::is_vague(const Expectation& expected) const {

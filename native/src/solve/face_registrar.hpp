@@ -61,7 +61,7 @@ struct Registration {
 class FaceRegistrar {
 public:
     FaceRegistrar(const TrackedFace& face, const ReferenceViews& views, ErrorField<float> error_field,
-                  const FeatureEvidence& features);
+                  const FeatureEvidence& features, const Cover& cover);
 
     /// Starts from a state. A quality under held_quality: it is not the face that recognition knows.
     Registration register_face(const Expectation& expected, const FaceState& start, FrameAtHand& frame,
@@ -69,6 +69,10 @@ public:
 
     /// The same for the pose alone, without asking whether it is this face.
     FaceState register_pose(const Expectation& expected, const FaceState& start, FrameAtHand& frame);
+
+    /// The share of what came before the face that looks like the skin it is said to hide, with the face in a
+    /// state; 0 where nothing came.
+    double alike_behind_cover(const FaceState& state, FrameAtHand& frame);
 
     /// The equations of the last registration.
     const JointSolver& solver() const { return solver_; }
@@ -98,6 +102,7 @@ private:
     const TrackedFace& face_;
     const ReferenceViews& views_;
     const FeatureEvidence& features_;
+    const Cover& cover_;
     JointSolver solver_;
     TextureFlow texture_flow_;
     Sight sight_;

@@ -44,6 +44,21 @@ void FeatureEvidence::look(const ColorView& image, const FaceState& near) {
     }
 }
 
+void FeatureEvidence::leave_out(const Cover& cover) {
+    constexpr double kMostHidden = .1;  // of the points: the networks guess all from those that they see
+    for (SeenOpening& opening : seen_) {
+        double hidden = 0, points = 0;
+        for (const Points2& line : opening.lines) {
+            const auto hides = [&cover](const Eigen::Vector2d& at) { return cover.hides(at); };
+            hidden += share_of(line, hides) * static_cast<double>(line.rows());
+            points += static_cast<double>(line.rows());
+        }
+        if (hidden > kMostHidden * points) {
+            opening = {};
+        }
+    }
+}
+
 void FeatureEvidence::look_away() { seen_.assign(openings_.size(), {}); }
 
 StepPrior FeatureEvidence::terms(const FaceState& state) const {

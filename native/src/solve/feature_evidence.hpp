@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 
+#include "cover.hpp"
 #include "opening_evidence.hpp"
 
 namespace mimetic {
@@ -19,6 +20,9 @@ public:
     /// Looks at a frame in which the face is about at this state.
     void look(const ColorView& image, const FaceState& near);
     void look_away();  ///< nothing is known until the next look
+
+    /// Forgets the openings of the last look that something is before.
+    void leave_out(const Cover& cover);
 
     /// The evidence, linearised at a state.
     StepPrior terms(const FaceState& state) const;

@@ -98,4 +98,14 @@ FeatureSource see_by_regressor(const EyeRegressor& regressor, const Camera& came
         });
 }
 
+OcclusionSource see_occlusion(const OcclusionNetwork& network, const Camera& camera) {
+    return [&network, camera](const ColorView& image, const Eigen::Isometry3d& camera_from_head) {
+        try {
+            return network.see(image, occlusion_square(camera, camera_from_head));
+        } catch (const InvalidInput&) {
+            return Occlusion{};
+        }
+    };
+}
+
 }  // namespace mimetic

@@ -12,8 +12,9 @@ constexpr std::size_t kSamples = 500;  // of the view, approximately
 
 }  // namespace
 
-FlowFollower::FlowFollower(const TrackedFace& face, ErrorField<float> error_field)
+FlowFollower::FlowFollower(const TrackedFace& face, const Cover& cover, ErrorField<float> error_field)
     : face_(face),
+      cover_(cover),
       solver_(face.motion, std::move(error_field)),
       flow_(cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST)) {}
 
@@ -48,16 +49,13 @@ std::vector<SampleMeasurement> FlowFollower::measure(const PartFlow& part, const
     const std::size_t stride = 1 + view.samples().size() / kSamples;
     for (std::size_t k = 0; k < view.samples().size(); k += stride) {
         const ReferenceSample& sample = view.samples()[k];
-        Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
-        for (int corner = 0; corner < 3; ++corner) {
-            pixel += sample.barycentric[corner] *
-                     projected_.pixels.row(face_.surface.triangles()(sample.triangle, corner)).transpose();
-        }
+        const Eigen::Vector2f pixel = place_of(sample, face_.surface.triangles(), projected_);
         const int x =
             static_cast<int>(std::lround((pixel.x() - static_cast<float>(part.box.x)) * part.scale));
         const int y =
             static_cast<int>(std::lround((pixel.y() - static_cast<float>(part.box.y)) * part.scale));
-        if (x < 0 || y < 0 || x >= part.flow.cols || y >= part.flow.rows) {
+        if (x < 0 || y < 0 || x >= part.flow.cols || y >= part.flow.rows ||
+            cover_.hides(pixel.cast<double>())) {
             continue;
         }
         SampleMeasurement measurement;

@@ -2,6 +2,7 @@
 #pragma once
 #include <opencv2/video/tracking.hpp>
 
+#include "cover.hpp"
 #include "expectation.hpp"
 #include "reference_view.hpp"
 
@@ -10,7 +11,8 @@ namespace mimetic {
 /// The whole face's motion from frame to frame, wherever the textures would not reach.
 class FlowFollower {
 public:
-    FlowFollower(const TrackedFace& face, ErrorField<float> error_field);
+    /// cover: of the last frame, while the flow since then is followed.
+    FlowFollower(const TrackedFace& face, const Cover& cover, ErrorField<float> error_field);
 
     /// Where the flow since the last frame takes the face; what is expected if it shows too little of it.
     /// view: its samples are followed.
@@ -29,6 +31,7 @@ private:
     std::vector<SampleMeasurement> measure(const PartFlow& part, const ReferenceView& view) const;
 
     const TrackedFace& face_;
+    const Cover& cover_;
     JointSolver solver_;
     cv::Ptr<cv::DISOpticalFlow> flow_;
     ProjectedSurface projected_;  // as the last frame had the face

@@ -144,6 +144,16 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, c
     blur_modes(flow_blur);
 }
 
+Eigen::Vector2f place_of(const ReferenceSample& sample, const Triangles& triangles,
+                         const ProjectedSurface& projected) {
+    Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
+    for (int corner = 0; corner < 3; ++corner) {
+        pixel +=
+            sample.barycentric[corner] * projected.pixels.row(triangles(sample.triangle, corner)).transpose();
+    }
+    return pixel;
+}
+
 cv::Mat1f ReferenceView::sample_weights(const std::vector<float>& visible) const {
     cv::Mat1f weights = cv::Mat1f::zeros(texture_.values().size());
     for (std::size_t k = 0; k < samples_.size(); ++k) {

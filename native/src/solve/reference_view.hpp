@@ -44,6 +44,10 @@ struct ReferenceSample {
     Eigen::Vector3f offset = Eigen::Vector3f::Zero();
 };
 
+/// Where a sample is in the picture, pixels.
+Eigen::Vector2f place_of(const ReferenceSample& sample, const Triangles& triangles,
+                         const ProjectedSurface& projected);
+
 /// The face's texture as one frame showed it, each pixel tied to the skin.
 class ReferenceView {
 public:

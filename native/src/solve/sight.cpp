@@ -33,6 +33,10 @@ std::vector<float> Sight::visible(const ReferenceView& view, const ProjectedSurf
             visible[k] = 0;
             continue;
         }
+        if (cover_.hides(pixel.cast<double>())) {
+            visible[k] = 0;
+            continue;
+        }
         const Eigen::Vector2d cell = (pixel.cast<double>() - grid_.origin) * grid_.scale;
         const int x = static_cast<int>(std::lround(cell.x())), y = static_cast<int>(std::lround(cell.y()));
         if (x >= 0 && y >= 0 && x < raster_.cols && y < raster_.rows) {

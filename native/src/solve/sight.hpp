@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "cover.hpp"
 #include "reference_views.hpp"
 
 namespace mimetic {
@@ -7,7 +8,7 @@ namespace mimetic {
 /// Visibility of the skin under a hypothesis.
 class Sight {
 public:
-    explicit Sight(const TrackedFace& face) : face_(face) {}
+    Sight(const TrackedFace& face, const Cover& cover) : face_(face), cover_(cover) {}
 
     /// Rasterises the depth at low resolution: occlusion hardly changes with the steps that follow.
     /// face_height: pixels.
@@ -19,6 +20,7 @@ public:
 
 private:
     const TrackedFace& face_;
+    const Cover& cover_;  // of the present frame
     Raster raster_;
     RasterGrid grid_;
 };

@@ -12,6 +12,10 @@ namespace {
 constexpr float kErrorReach = 3;       // of the model error field's exponent
 constexpr double kFoundQuality = .45;  // a lost face counts as found again from here
 constexpr double kKeyViewQuality = .6;
+constexpr double kMostCovered = .02;  // of a face whose texture is taken
+// Of a value's usual deviation: what is hidden may do anything that a face does which talks, not one at rest
+constexpr double kHiddenStd = 1.5;
+constexpr double kMostAlike = .5;  // share of what is hidden that may look like the skin behind it
 constexpr std::size_t kFewestSamples = 100;
 // The square about a face in which its light is looked at: of the mean head, as `feature_crops` places it
 constexpr double kFaceSide = .25;                   // metres
@@ -65,11 +69,12 @@ FaceTracker::State::State(const Camera& camera, const TrackedSurface& surface, c
                           const FeatureInputs& inputs, const TrackerOptions& options, const ColorView& image,
                           const cv::Mat1b& gray, const Eigen::Isometry3d& camera_from_head)
     : face(camera, surface, motion, options),
+      cover(inputs.occlusion, image, camera_from_head),
       features(face, inputs, image, {camera_from_head, Eigen::VectorXd::Zero(face.num_values())}),
       memory(first_memory(face, gray, features.reference())),
       views(first_views(face, memory.state, gray)),
-      follower(face, error_field(views.first())),
-      registrar(face, views, error_field(views.first()), features),
+      follower(face, cover, error_field(views.first())),
+      registrar(face, views, error_field(views.first()), features, cover),
       search(gray, views.first()),
       detail_solver(face.motion) {}
 
@@ -106,7 +111,10 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
     now.covariance = expected.covariance;
     now.velocity = FaceStep::none(face.num_values());
     now.is_lost = is_lost;
+    Hidden hidden;
     if (!is_lost) {
+        hidden = hidden_by_cover(found.measured.projected);
+        estimate.covered = hidden.came;
         estimate.irises = features.irises();
         estimate.found_again = recognition.has_trial_begun();
         now.state = {estimate.camera_from_head, estimate.values};
@@ -116,8 +124,8 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
             now.velocity = now.state.difference_from(memory.state);
         }
         recognition.learn(found.score.look);
-        const bool may_be_view =
-            found.score.quality >= kKeyViewQuality && recognition.may_be_reference(found.score.look);
+        const bool may_be_view = found.score.quality >= kKeyViewQuality && estimate.covered < kMostCovered &&
+                                 recognition.may_be_reference(found.score.look);
         views.offer(face, now.state, frame.gray, may_be_view, estimate.detail.coefficients);
     }
     now.recognition = std::move(recognition);
@@ -126,7 +134,41 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
     }
     memory = std::move(now);
     last_measured = std::move(found.measured);
+    if (!is_lost) {
+        // Not remembered: what is expected of the next frame knows already how long nothing was seen
+        const Eigen::ArrayXd unseen = kHiddenStd * hidden.of_values * face.motion.prior_std.array();
+        estimate.covariance.diagonal().tail(face.num_values()).array() += unseen.square();
+    }
     return estimate;
+}
+
+/// How much of the face is hidden, and of what the values move.
+FaceTracker::State::Hidden FaceTracker::State::hidden_by_cover(const ProjectedSurface& projected) const {
+    Hidden hidden{0, Eigen::ArrayXd::Zero(face.num_values())};
+    Eigen::ArrayXd moved = Eigen::ArrayXd::Constant(face.num_values(), 1e-12);
+    double measured = 0;
+    for (const ReferenceSample& sample : views.first().samples()) {
+        const Eigen::Vector2d pixel = place_of(sample, face.surface.triangles(), projected).cast<double>();
+        const Eigen::ArrayXd energy =
+            sample.weight * sample.skin.modes.colwise().squaredNorm().transpose().cast<double>().array();
+        measured += sample.weight;
+        moved += energy;
+        hidden.came += cover.came(pixel) ? sample.weight : 0;
+        if (cover.hides(pixel)) {
+            hidden.of_values += energy;
+        }
+    }
+    hidden.came /= std::max(measured, 1e-12);
+    hidden.of_values /= moved;
+    return hidden;
+}
+
+/// What seems to be before the face is not, where the face's own texture is seen.
+void FaceTracker::State::look_for_cover(const FaceState& state, FrameAtHand& frame) {
+    cover.look(frame.color, state.camera_from_head);
+    if (registrar.alike_behind_cover(state, frame) >= kMostAlike) {
+        cover.dismiss();
+    }
 }
 
 /// Where the frame is compared with the textures first.
@@ -140,7 +182,9 @@ FaceState FaceTracker::State::start_of(const Expectation& expected, FrameAtHand&
     features.look_away();
     if (!memory.is_lost) {
         const StageClock clock(frame.times.features_ms);
+        look_for_cover(start, frame);
         features.look(frame.color, start);
+        features.leave_out(cover);
         start = features.with_lids(start);
     }
     return start;
@@ -152,6 +196,7 @@ Registration FaceTracker::State::search_again(const Expectation& expected, const
                                               const std::optional<Eigen::Isometry3d>& guess,
                                               const Recognition& recognition) {
     features.look_away();  // where the face is not, no eyes are
+    cover.look_away();
     const auto scale_at = [this](const FaceState& state) {
         return views.pixels_per_crop_pixel(state.camera_from_head);
     };
@@ -182,7 +227,9 @@ Registration FaceTracker::State::search_again(const Expectation& expected, const
     frame.prepared.update(frame.gray, 1 / scale_at(best));
     {
         const StageClock clock(frame.times.features_ms);
+        look_for_cover(best, frame);
         features.look(frame.color, best);
+        features.leave_out(cover);
         best = features.with_lids(best);
     }
     return registrar.register_face(expected.about(best), best, frame, recognition);
@@ -294,6 +341,7 @@ void FaceTracker::restart(const ColorView& image, const FrameEstimate& estimate)
                             {estimate.camera_from_head, estimate.values});
     s.memory.recognition = std::move(recognition);  // it is the same face
     s.memory.depth_errors = std::move(depth_errors);
+    s.cover.look(image, estimate.camera_from_head);
 }
 
 }  // namespace mimetic

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "cover.hpp"
 #include "detail_solver.hpp"
 #include "face_registrar.hpp"
 #include "face_search.hpp"
@@ -22,9 +23,17 @@ struct FaceTracker::State {
                               const std::optional<Eigen::Isometry3d>& guess, const Recognition& recognition);
     FrameEstimate measured_estimate(const Expectation& expected, const Registration& found);
     FrameEstimate held_estimate(const Expectation& expected, const FrameScore& score) const;
+    void look_for_cover(const FaceState& state, FrameAtHand& frame);
+
+    struct Hidden {
+        double came = 0;           ///< share of the measured face before which something came
+        Eigen::ArrayXd of_values;  ///< M: share of the motion by each value that is hidden
+    };
+    Hidden hidden_by_cover(const ProjectedSurface& projected) const;
     void learn_depth(const Expectation& expected, const Registration& found, DepthErrors& depth_errors) const;
 
     TrackedFace face;
+    Cover cover;
     FeatureEvidence features;
     TrackMemory memory;
     ReferenceViews views;

@@ -75,13 +75,25 @@ def add_licences(folder: Path, wheel: Path) -> None:
     shutil.copy(wheels.ROOT / "LICENSE", folder)
 
 
+def add_wheel(folder: Path, wheel: Path) -> None:
+    """A wheel as the zip has it: the package without its copy of the add-on, which is beside."""
+    if not wheel.name.startswith("mimetic-"):
+        shutil.copy(wheel, folder)
+        return
+    with tempfile.TemporaryDirectory() as scratch:
+        content = wheels.unpack(wheel, Path(scratch))
+        shutil.rmtree(content / "mimetic" / "blender_addon")
+        wheels.pack(content, folder)
+    wheels.smaller(folder / wheel.name)
+
+
 def stage(version: str, wheel_files: list[Path]) -> Path:
     folder = wheels.ROOT / "build" / "extension" / "mimetic"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(ADDON, folder, ignore=shutil.ignore_patterns("__pycache__", "wheels", "*.pyc"))
     (folder / "wheels").mkdir()
     for wheel in wheel_files:
-        shutil.copy(wheel, folder / "wheels")
+        add_wheel(folder / "wheels", wheel)
     add_licences(folder, next(wheel for wheel in wheel_files if is_shipped(wheel)))
     write_manifest(folder, version, wheel_files)
     return folder

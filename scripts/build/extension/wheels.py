@@ -192,7 +192,6 @@ def finish(wheel: Path) -> None:
         for archive in sorted((folder / "mimetic" / "data").glob("*.npz")):
             smaller(archive)  # deflated by numpy, and so no smaller in the wheel
         pack(folder, wheel.parent)
-    smaller(wheel)
 
 
 def unpack(wheel: Path, scratch: Path) -> Path:

@@ -89,7 +89,7 @@ def sample(
     square = Square(square.center - corner, square.side, square.roll)
     eye_width = np.linalg.norm(np.diff(shots.lids[shot, 0, 0, [0, -1]], axis=0))
     wanted = np.exp(rng.uniform(*np.log(EYE_WIDTHS)))
-    seen, scale = _filmed(picture, min(1.0, wanted / max(eye_width, 20)), rng)
+    seen, scale = filmed(picture, min(1.0, wanted / max(eye_width, 20)), rng)
     mirrored = part == 0 or (part == 2 and rng.random() < 0.5)
     small = Square((square.center + 0.5) * scale - 0.5, square.side * scale, square.roll)
     shares = square.shares(points)
@@ -204,9 +204,7 @@ def _rims(pen: ImageDraw.ImageDraw, lids: np.ndarray, width: float, rng) -> None
     )
 
 
-def _filmed(
-    picture: np.ndarray, scale: float, rng: np.random.Generator
-) -> tuple[np.ndarray, float]:
+def filmed(picture: np.ndarray, scale: float, rng: np.random.Generator) -> tuple[np.ndarray, float]:
     """Exposure, colour, size, blur, noise and compression of a camera; uint8 and the true scale."""
     levels = (picture / 255) ** rng.uniform(0.7, 1.5)
     grey = levels.mean(axis=2, keepdims=True)

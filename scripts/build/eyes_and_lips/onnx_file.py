@@ -16,7 +16,7 @@ OPSET = 11
 LEVELS = 31  # of an output's largest weight; 22 to 44, as steps are powers of two
 
 
-def _coarse(values: np.ndarray) -> np.ndarray:
+def coarse(values: np.ndarray) -> np.ndarray:
     """Weights on a grid of each output's own, so that packages compress them to a byte each.
 
     Points move by .12 % of the square in the median, an eighth of their error.
@@ -34,7 +34,7 @@ def write(weights: Weights, path: Path) -> None:
     nodes, stored, current = [], [], "picture"
 
     def store(name: str, values: np.ndarray) -> str:
-        stored.append(numpy_helper.from_array(_coarse(np.asarray(values, np.float32)), name))
+        stored.append(numpy_helper.from_array(coarse(np.asarray(values, np.float32)), name))
         return name
 
     strides = [*(stride for _, stride in LAYERS), 1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -93,6 +94,30 @@ def loss_of(weights: Weights, pictures: jax.Array, points: jax.Array, part: Part
     return (off / spread + 2 * jnp.log(spread)).mean()
 
 
+def descent(
+    loss: Callable[..., jax.Array], weights: Weights, steps: int, peak_rate: float, decay: float
+) -> tuple[optax.OptState, Callable]:
+    """A state of the optimiser, and a step: (weights, state, pictures, truth ..., tint) -> the same
+    and the loss. loss: of weights, pictures and truth; tint: B x 6, gain and offset of colours."""
+    rate = optax.cosine_onecycle_schedule(steps, peak_rate, 0.1)
+    optimiser = optax.chain(optax.clip_by_global_norm(1.0), optax.adamw(rate, weight_decay=decay))
+
+    @jax.jit
+    def step(weights, state, pictures, *truth_and_tint):
+        *truth, tint = truth_and_tint
+        lit = pictures * tint[:, None, None, :3] + tint[:, None, None, 3:]
+        value, slope = jax.value_and_grad(loss)(weights, lit, *truth)
+        change, state = optimiser.update(slope, state, weights)
+        return optax.apply_updates(weights, change), state, value
+
+    return optimiser.init(weights), step
+
+
+def tints(rng: np.random.Generator, count: int) -> np.ndarray:
+    made = np.c_[rng.uniform(0.85, 1.15, (count, 3)), rng.uniform(-12, 12, (count, 3))]
+    return made.astype(np.float32)
+
+
 def trained(
     part: Part,
     pictures: np.ndarray,
@@ -104,24 +129,13 @@ def trained(
     """pictures: K x 64 x 64 x 3 uint8; points: K x P x 2, sides of the square."""
     weights = initial(part, points.mean(0), seed)
     steps = epochs * (len(pictures) // BATCH)
-    rate = optax.cosine_onecycle_schedule(steps, PEAK_RATE, 0.1)
-    optimiser = optax.chain(optax.clip_by_global_norm(1.0), optax.adamw(rate, weight_decay=DECAY))
-    state = optimiser.init(weights)
+    state, step = descent(partial(loss_of, part=part), weights, steps, PEAK_RATE, DECAY)
     rng = np.random.default_rng(seed)
-
-    @jax.jit
-    def step(weights, state, pictures, points, tint):
-        lit = pictures * tint[:, None, None, :3] + tint[:, None, None, 3:]
-        loss, slope = jax.value_and_grad(loss_of)(weights, lit, points, part)
-        change, state = optimiser.update(slope, state, weights)
-        return optax.apply_updates(weights, change), state, loss
-
     for epoch in range(epochs):
         order, losses = rng.permutation(len(pictures)), []
         for first in range(0, len(order) - BATCH + 1, BATCH):
             rows = order[first : first + BATCH]
-            tint = np.c_[rng.uniform(0.85, 1.15, (BATCH, 3)), rng.uniform(-12, 12, (BATCH, 3))]
-            batch = pictures[rows].astype(np.float32), points[rows], tint.astype(np.float32)
+            batch = pictures[rows].astype(np.float32), points[rows], tints(rng, BATCH)
             weights, state, loss = step(weights, state, *batch)
             losses.append(float(loss))
         report(f"{part.name}: {epoch + 1} of {epochs} rounds, loss {np.mean(losses):.3f}")

@@ -120,16 +120,29 @@ private:
 
     /// Solid, so that it needs no unfolding.
     float albedo(const Eigen::Vector3d& p) const {
-        const double own = waves(p), other = waves({p.y() + .3, -p.x(), p.z()});
+        const double own = waves(p), other = alike == 1 ? 0 : waves({p.y() + .3, -p.x(), p.z()});
         return static_cast<float>(130 + 16 * (alike * own + std::sqrt(1 - alike * alike) * other));
     }
 
-    static double waves(const Eigen::Vector3d& p) {
-        double sum = 0;
+    struct Wave {
+        Eigen::Vector3d vector;  ///< radians a metre
+        double phase;
+    };
+
+    static std::array<Wave, 9> make_waves() {
+        std::array<Wave, 9> made;
         for (int k = 1; k <= 9; ++k) {
-            const double wave = 6.28 / (.009 + .004 * k);
             const Eigen::Vector3d direction(std::cos(2.4 * k), std::sin(2.4 * k), std::cos(1.1 * k));
-            sum += std::sin(wave * direction.dot(p) + 1.7 * k * k);
+            made[static_cast<std::size_t>(k - 1)] = {6.28 / (.009 + .004 * k) * direction, 1.7 * k * k};
+        }
+        return made;
+    }
+
+    static double waves(const Eigen::Vector3d& p) {
+        static const std::array<Wave, 9> made = make_waves();
+        double sum = 0;
+        for (const Wave& wave : made) {
+            sum += std::sin(wave.vector.dot(p) + wave.phase);
         }
         return sum;
     }

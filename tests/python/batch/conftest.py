@@ -34,7 +34,7 @@ def clips(fetched_clip, tmp_path_factory):
     """Two people, and all that can be wrong with clips."""
     folder = tmp_path_factory.mktemp("clips")
     for name, footage in (("one", "single_face.mp4"), ("two", "cap13_edit2.mp4")):
-        ffmpeg("-i", fetched_clip(footage), "-frames:v", 8, "-crf", 10, folder / f"{name}.mp4")
+        ffmpeg("-i", fetched_clip(footage), "-frames:v", 4, "-crf", 10, folder / f"{name}.mp4")
     make_clip(folder / "faceless.mp4", size="160x120", frames=4)
     (folder / "damaged.mp4").write_bytes((folder / "one.mp4").read_bytes()[:3000])
     make_fit().save(folder / "large.json")

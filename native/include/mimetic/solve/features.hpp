@@ -4,6 +4,7 @@
 #include <functional>
 #include <mimetic/locate/eye_regressor.hpp>
 #include <mimetic/locate/feature_networks.hpp>
+#include <mimetic/locate/occlusion.hpp>
 #include <mimetic/shared/camera.hpp>
 #include <mimetic/shared/image.hpp>
 #include <mimetic/shared/types.hpp>
@@ -47,10 +48,15 @@ struct SeenOpening {
 using FeatureSource = std::function<std::vector<SeenOpening>(const ColorView& image,
                                                              const Eigen::Isometry3d& camera_from_head)>;
 
+/// Sees what is before a face, in a frame in which the head is near a pose; nothing where it is not in sight.
+using OcclusionSource =
+    std::function<Occlusion(const ColorView& image, const Eigen::Isometry3d& camera_from_head)>;
+
 /// Where eyes and mouth are on the head, and the source that measures them.
 struct FeatureInputs {
     std::vector<FeatureOpening> openings;  ///< in the source's order
     FeatureSource source;                  ///< may be empty
+    OcclusionSource occlusion = {};        ///< of the whole face; may be empty
 };
 
 /// By the networks for mesh and iris, which must outlive it: of the left eye, of the right eye (the upper and
@@ -60,5 +66,8 @@ FeatureSource see_by_networks(const FeatureNetworks& networks, const Camera& cam
 
 /// The same eyes by the regressor, which must outlive it, and no mouth.
 FeatureSource see_by_regressor(const EyeRegressor& regressor, const Camera& camera, PointsIn anchors);
+
+/// By the network, which must outlive it.
+OcclusionSource see_occlusion(const OcclusionNetwork& network, const Camera& camera);
 
 }  // namespace mimetic

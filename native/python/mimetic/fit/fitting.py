@@ -23,7 +23,7 @@ from mimetic.fit.network_evidence import is_seen, with_networks
 from mimetic.fit.relief_shift import picture_shifts
 from mimetic.fit.views import follow_points
 from mimetic.locate.eigenspaces import installed_spaces
-from mimetic.locate.feature_networks import feature_anchors
+from mimetic.locate.feature_networks import feature_anchors, occlusion_network
 from mimetic.locate.landmarks import BETWEEN_PREFIX, installed_cascade, measured_landmarks
 from mimetic.shared.installed_data import data_folder
 from mimetic.shared.parallel import both
@@ -65,11 +65,12 @@ def face_likelihood(image: NDArray[np.uint8]) -> float:
 
 @dataclass(frozen=True)
 class Judged:
-    """What the finder measures in one frame; all but `features` compare a clip's frames."""
+    """What is measured in one frame before a head is fitted, to compare a clip's frames."""
 
     signs: _core.RestSigns
     detail: float
     expression: NDArray[np.float64]  # 6
+    covered: float  # share of the face that something is before
     features: _core.FaceFeatures
     faces: list[_core.FaceFeatures]  # all that are in the frame, the largest first
 
@@ -84,9 +85,10 @@ def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = Non
     if not faces:
         return None
     face = faces[0 if near is None else _nearest(faces, near)]
+    covered = occlusion_network().see(image, _core.occlusion_square(face)).share()
     image = _core.well_lit(image, face)
     signs, detail = _core.rest_signs(image, face), _core.face_detail(image, face)
-    return Judged(signs, detail, _core.expression_of(face), face, faces)
+    return Judged(signs, detail, _core.expression_of(face), covered, face, faces)
 
 
 def find_face(

@@ -20,6 +20,8 @@ FILES = tuple(
 )
 # Regressor of lids and irises, fitted to drawn people (scripts/train_eyes_and_lips)
 EYE_POINTS = "eye_points.onnx"
+# What is before a face, fitted to drawn people (scripts/train_occlusion)
+OCCLUSION = "occlusion.onnx"
 ANCHORS = ("hairline", "menton", "eye_outer.L", "eye_inner.L", "eye_outer.R", "eye_inner.R")
 # Points of the mesh and of the eye's contour, by name: each of the network that errs least there
 MESH_POINTS = {
@@ -44,6 +46,15 @@ def eye_regressor() -> _core.EyeRegressor:
     Raises UnreadableMedia.
     """
     return installed(EYE_POINTS, _load_regressor)
+
+
+def occlusion_network() -> _core.OcclusionNetwork:
+    """What sees hands and other things before a face. Raises UnreadableMedia."""
+    return installed(OCCLUSION, _load_occlusion)
+
+
+def _load_occlusion(file: Path) -> _core.OcclusionNetwork:
+    return _core.OcclusionNetwork(str(file))
 
 
 def _load_regressor(file: Path) -> _core.EyeRegressor:

@@ -45,10 +45,10 @@ from mimetic.shared.progress import (
 from mimetic.solve import full_range, smoothing, tracking
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_performance import clip_performance
+from mimetic.solve.covered import CoverWatch
 from mimetic.solve.find_face import Rest, find_rest, joined_with_others, rest_asked_for
 from mimetic.solve.frames_so_far import FramesSoFar
 from mimetic.solve.gaze import ClipGaze
-from mimetic.solve.glasses import notes_on_glasses
 from mimetic.solve.refining import check_of_capture, refined, within
 from mimetic.solve.texture_size import tracker_options
 from mimetic.solve.walk import ClipWalk, Image, Pose, before_range, proved
@@ -262,7 +262,6 @@ class ClipCapture:
         self.pinned_poses: dict[int, Pose] = {}  # by frame: where a lost face is
         self.so_far: FramesSoFar | None = None  # who looks at frames before they are smoothed
         self._is_lost = False
-        self._about: list[str] = []  # notes on the face
         start = time.perf_counter()
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
@@ -292,7 +291,7 @@ class ClipCapture:
         if self.so_far is not None:
             self.so_far.begin(self.walk.fit, self.template, self.anatomy, self.detail)
         tracker = self.make_tracker(reference)
-        self._about = notes_on_glasses(reference, self.walk.fit, self.template)
+        self._cover = CoverWatch(reference, self.walk.fit, self.template)
 
         def step(frame: int, image: Image, guess: Pose | None = None) -> _core.FrameEstimate:
             estimate = self.advance(tracker, frame, image, guess)
@@ -350,6 +349,7 @@ class ClipCapture:
             guess = self.pinned_poses.get(frame, guess)
         estimate = tracker.advance(image, guess)
         self._is_lost = estimate.held
+        self._cover.add(frame, estimate)
         self.walk.summary.add_tracker(estimate.times)
         return estimate
 
@@ -372,6 +372,7 @@ class ClipCapture:
             std[:, num_muscles:],
             self.anatomy.articulator_modes,
         ) | full_range.stated(*(fit, self.anatomy, *of_muscles), np.array(rows.evidence))
+        about = self._cover.notes(rows.frame)
         performance = clip_performance(
             *(rows, self.walk.footage, fit, self.template, self.anatomy),
             scene_starts=self.walk.scene_starts,
@@ -381,7 +382,7 @@ class ClipCapture:
             detail_modes=self.detail.modes,
             detail_coefficients=np.array(rows.detail),
             detail_coefficients_std=np.array(rows.detail_std),
-            notes=self.walk.notes(rows, [*self._about, *fit.calibration.notes()]) or None,
+            notes=self.walk.notes(rows, [*about, *fit.calibration.notes()]) or None,
         )
         return with_confounding(performance)
 

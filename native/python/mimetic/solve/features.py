@@ -7,7 +7,12 @@ import numpy as np
 
 from mimetic import _core
 from mimetic.fit.fitting import FaceFit
-from mimetic.locate.feature_networks import eye_regressor, feature_anchors, installed_networks
+from mimetic.locate.feature_networks import (
+    eye_regressor,
+    feature_anchors,
+    installed_networks,
+    occlusion_network,
+)
 from mimetic.muscles.anatomy import Anatomy
 from mimetic.muscles.extras import LIP_CLOSING
 from mimetic.muscles.feature_lines import feature_lines
@@ -37,6 +42,7 @@ def feature_inputs(fit: FaceFit, template: FaceTemplate, anatomy: Anatomy) -> _c
         installed_networks() or eye_regressor(),
         fit.camera,
         np.ascontiguousarray(anchors),
+        occlusion_network(),
     )
 
 

@@ -49,6 +49,8 @@ NUM_AT_REST = 4  # frames beside the reference, whose lids and lips are looked a
 LEAST_FOLLOWED = 5  # frames, to say which of them is at rest
 CLEARLY_BETTER = 0.2  # of `costs_of_rest`: by less, the frame that it is seen from stays
 MOST_REFITTED = 3
+LESS_COVERED = 0.25  # quantile of what is before the face that is usual in the clip
+MORE_COVERED = 0.06  # share of the face; frames in which so much more is covered are left out
 
 FitHead = Callable[[NDArray[np.uint8], int], FaceFit | None]  # image, frame -> head, if any
 
@@ -218,7 +220,7 @@ def rest_asked_for(
     check_upright(footage, frame, image)
     camera = camera_with(lens, footage.size) if lens else None
     fit = fitting.find_face(image, frame, camera=camera, near=near)
-    judgements = _judged(footage, {frame, *others}, progress, fit.head_place())
+    judgements = _judged(footage, {frame, *others}, progress, fit.head_place(), frame)
     scores, expressions, _ = _compared(judgements)
     usual = _core.usual_expression(expressions, scores, list(judgements).index(frame))
     return Rest(_explained(fit, "asked for", judgements), _candidates(judgements, usual))
@@ -293,9 +295,14 @@ def joined_with_others(footage: Footage, rest: Rest, progress: Progress) -> Face
 
 
 def _judged(
-    footage: Footage, frame_numbers: set[int], progress: Progress, near: tuple[float, float] | None
+    footage: Footage,
+    frame_numbers: set[int],
+    progress: Progress,
+    near: tuple[float, float] | None,
+    asked: int | None = None,
 ) -> dict[int, fitting.Judged]:
-    """What the finder measures in those of `frame_numbers` that show a face."""
+    """What is measured in those of `frame_numbers` that show a face with nothing more before it
+    than is usual in the clip: no hand that passes. asked: the frame that stays nevertheless."""
     first, last = min(frame_numbers), max(frame_numbers)
     images = ((f, image) for f, image in footage.frames(first, last) if f in frame_numbers)
     judgements = {}
@@ -305,7 +312,14 @@ def _judged(
         _go_on(progress, num_seen / len(frame_numbers), text)
         if judgement is not None:
             judgements[frame] = judgement
-    return judgements
+    if not judgements:
+        return judgements
+    usual = np.quantile([one.covered for one in judgements.values()], LESS_COVERED)
+    return {
+        frame: one
+        for frame, one in judgements.items()
+        if frame == asked or one.covered <= usual + MORE_COVERED
+    }
 
 
 def _go_on(progress: Progress, fraction: float, text: str) -> None:

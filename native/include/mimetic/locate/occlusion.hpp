@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+#include <mimetic/locate/feature_crops.hpp>
+#include <mimetic/shared/image.hpp>
+#include <string>
+
+namespace mimetic {
+
+struct FaceFeatures;
+
+/// How probably something else is before a face, by cells of a square round it.
+struct Occlusion {
+    FeatureCrop square;
+    Eigen::MatrixXf cells;  ///< 0 to 1, from the square's top left, rows downward; none: nobody has looked
+
+    /// At a pixel of the picture, between the cells' middles; 0 beside the square.
+    double at(const Eigen::Vector2d& pixel) const;
+
+    /// The share of a frontal face, 0 to 1, that is hidden by more than a probability.
+    double share(double probability = .5) const;
+
+    /// The share by `kSure` from which something is before a face without doubt: of bare ones .05 at most.
+    static constexpr double kSure = .9, kLeastSure = .06;
+    bool is_sure() const { return share(kSure) >= kLeastSure; }
+};
+
+/// The square of a head that is at a pose, which the network was fitted to. Throws InvalidInput: the head is
+/// behind the camera.
+FeatureCrop occlusion_square(const Camera& camera, const Eigen::Isometry3d& camera_from_head);
+
+/// About the same square of a face that was found.
+FeatureCrop occlusion_square(const FaceFeatures& face);
+
+/// A small network that was fitted to drawn people with painted hands, microphones, hair and things before
+/// their faces, by `scripts/train_occlusion`. A call at a time: calls from several threads wait for each
+/// other.
+class OcclusionNetwork {
+public:
+    static constexpr int kCells = 24;
+
+    /// Throws UnreadableMedia: missing, too large, or not such a network.
+    explicit OcclusionNetwork(const std::string& file);
+    ~OcclusionNetwork();
+    OcclusionNetwork(OcclusionNetwork&&) noexcept;
+    OcclusionNetwork& operator=(OcclusionNetwork&&) noexcept;
+
+    /// square: `occlusion_square`. What is said of hair and background beside the face means nothing.
+    /// Throws InvalidInput: the square lies beside the picture.
+    Occlusion see(ColorView image, const FeatureCrop& square) const;
+
+private:
+    struct Net;
+    std::unique_ptr<Net> net_;
+};
+
+}  // namespace mimetic

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cover.hpp"
+
+#include <algorithm>
+
+namespace mimetic {
+
+namespace {
+
+constexpr double kHidden = .2;  // probability beyond the usual from which skin counts as hidden
+
+/// The largest of each cell and its eight neighbours: the square follows the head within a cell.
+Eigen::MatrixXf grown(const Eigen::MatrixXf& cells) {
+    Eigen::MatrixXf largest = cells;
+    for (Eigen::Index row = 0; row < cells.rows(); ++row) {
+        for (Eigen::Index column = 0; column < cells.cols(); ++column) {
+            const Eigen::Index top = std::max<Eigen::Index>(row - 1, 0);
+            const Eigen::Index left = std::max<Eigen::Index>(column - 1, 0);
+            const Eigen::Index height = std::min(row + 2, cells.rows()) - top;
+            const Eigen::Index width = std::min(column + 2, cells.cols()) - left;
+            largest(row, column) = cells.block(top, left, height, width).maxCoeff();
+        }
+    }
+    return largest;
+}
+
+}  // namespace
+
+Cover::Cover(OcclusionSource source, const ColorView& image, const Eigen::Isometry3d& camera_from_head)
+    : source_(std::move(source)) {
+    look(image, camera_from_head);
+    usual_ = grown(seen_.cells);
+    const double surely = seen_.is_sure() ? Occlusion::kSure : 1;
+    first_ = (seen_.cells.array() > static_cast<float>(surely)).cast<float>();
+    look_away();
+}
+
+void Cover::look(const ColorView& image, const Eigen::Isometry3d& camera_from_head) {
+    if (!source_) {
+        return;
+    }
+    seen_ = source_(image, camera_from_head);
+    behind_ = seen_.cells.size() > 0 ? Occlusion{seen_.square, first_} : Occlusion{};
+    if (usual_.size() > 0 && seen_.cells.size() > 0) {
+        seen_.cells -= usual_;
+    }
+}
+
+void Cover::look_away() { seen_ = behind_ = {}; }
+
+void Cover::dismiss() { seen_ = {}; }
+
+bool Cover::came(const Eigen::Vector2d& pixel) const { return seen_.at(pixel) > kHidden; }
+
+bool Cover::was_hidden(const Eigen::Vector2d& pixel) const {
+    constexpr double kNear = .25;  // of a cell's width: what is beside it is half hidden, too
+    return behind_.at(pixel) > kNear;
+}
+
+}  // namespace mimetic
