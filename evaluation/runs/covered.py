@@ -138,8 +138,8 @@ WAYS: dict[str, Callable[[Frames, Wearer], Frames]] = {
 COLUMNS = shown_again.COLUMNS | {
     "held": ("frames held", ".0f"),
     "turn": ("turn deg", ".1f"),
-    "followed": ("hold 0, one fit", ".2f"),
-    "moved": ("muscles, one fit", ".3f"),
+    "followed": ("one fit", ".2f"),
+    "moved": ("its muscles", ".3f"),
 }
 
 

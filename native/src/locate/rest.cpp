@@ -124,6 +124,7 @@ double sharpening(const std::vector<RestSigns>& frames) {
     std::vector<double> shares;
     for (const AtRest& contrast : kContrasts) {
         std::vector<double> values;
+        values.reserve(frames.size());
         for (const RestSigns& signs : frames) {
             values.push_back(signs.*contrast.sign);
         }
