@@ -50,6 +50,11 @@ void Cover::look_away() { seen_ = behind_ = {}; }
 
 void Cover::dismiss() { seen_ = {}; }
 
+bool Cover::hides_any() const {
+    return (seen_.cells.size() > 0 && seen_.cells.maxCoeff() > kHidden) ||
+           (behind_.cells.size() > 0 && behind_.cells.maxCoeff() > 0);
+}
+
 bool Cover::came(const Eigen::Vector2d& pixel) const { return seen_.at(pixel) > kHidden; }
 
 bool Cover::was_hidden(const Eigen::Vector2d& pixel) const {

@@ -16,6 +16,9 @@ public:
     void look_away();  ///< nothing is covered until the next look
     void dismiss();    ///< nothing came: it was a mistake
 
+    /// Whether there is any pixel that it hides.
+    bool hides_any() const;
+
     /// Whether at a pixel of the frame that was last looked at no skin is compared with skin.
     bool hides(const Eigen::Vector2d& pixel) const { return came(pixel) || was_hidden(pixel); }
 

@@ -172,6 +172,9 @@ FaceRegistrar::Appearance FaceRegistrar::look_at(const FaceState& state, FrameAt
 }
 
 double FaceRegistrar::alike_behind_cover(const FaceState& state, FrameAtHand& frame) {
+    if (!cover_.hides_any()) {
+        return 0;
+    }
     const StageClock clock(frame.times.warp_ms);
     ProjectedSurface projected;
     projected.update(face_.surface, face_.camera, state.camera_from_head, state.values);

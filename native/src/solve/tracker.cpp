@@ -145,6 +145,9 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
 /// How much of the face is hidden, and of what the values move.
 FaceTracker::State::Hidden FaceTracker::State::hidden_by_cover(const ProjectedSurface& projected) const {
     Hidden hidden{0, Eigen::ArrayXd::Zero(face.num_values())};
+    if (!cover.hides_any()) {
+        return hidden;
+    }
     Eigen::ArrayXd moved = Eigen::ArrayXd::Constant(face.num_values(), 1e-12);
     double measured = 0;
     for (const ReferenceSample& sample : views.first().samples()) {

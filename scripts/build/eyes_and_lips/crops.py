@@ -49,18 +49,31 @@ class Shots:
 
 def square_of(shots: Shots, shot: int, part: int) -> Square:
     """Where the pose places the square of the left eye (0), the right eye (1) or the mouth (2)."""
-    pose = shots.head_pose[shot]
     ends = shots.anchors[2 + 2 * part : 4 + 2 * part]
     width = np.linalg.norm(ends[0] - ends[1])
     point = ends.mean(axis=0)
     margin = EYE_MARGIN
     if part == 2:
         point, margin = point - (0, MOUTH_DOWN * width, 0), MOUTH_MARGIN
+    return square_round(shots, shot, point, margin * width)
+
+
+def square_round(shots: Shots, shot: int, point: np.ndarray, length: float) -> Square:
+    """The square about a point of the head frame, as the core lays it; metres."""
+    pose, focal = shots.head_pose[shot], shots.intrinsics[0, 0]
     at = pose[:3, :3] @ point + pose[:3, 3]
-    focal = shots.intrinsics[0, 0]
     center = focal * at[:2] / at[2] + shots.intrinsics[:2, 2]
     across = pose[:2, 0] * at[2] - at[:2] * pose[2, 0]
-    return Square(center, margin * width * focal / at[2], float(np.arctan2(across[1], across[0])))
+    return Square(center, length * focal / at[2], float(np.arctan2(across[1], across[0])))
+
+
+def jittered(square: Square, rng: np.random.Generator, spread: dict[str, float]) -> Square:
+    """The square misplaced, spread: as `JITTER` has it."""
+    return Square(
+        square.center + square.side * rng.normal(0, spread["center"], 2),
+        square.side * float(np.exp(rng.normal(0, spread["side"]))),
+        square.roll + float(np.radians(rng.normal(0, spread["roll"]))),
+    )
 
 
 def sample(
@@ -71,12 +84,7 @@ def sample(
     Of an eye upper and lower margin (9 each, from the outer to the inner corner) and the iris (5);
     the left eye is mirrored. Of a mouth four edges of 11.
     """
-    square = square_of(shots, shot, part)
-    square = Square(
-        square.center + square.side * rng.normal(0, JITTER["center"], 2),
-        square.side * float(np.exp(rng.normal(0, JITTER["side"]))),
-        square.roll + float(np.radians(rng.normal(0, JITTER["roll"]))),
-    )
+    square = jittered(square_of(shots, shot, part), rng, JITTER)
     picture, corner = _region(shots.frames[shot], square, rng)
     if part < 2:
         lids, iris = shots.lids[shot, part] - corner, shots.irises[shot, part] - corner
@@ -109,12 +117,17 @@ def warped(picture: np.ndarray, square: Square, mirrored: bool) -> np.ndarray:
         center = (center + 0.5) * (np.array(half) / image.size) - 0.5
         side *= half[0] / image.width
         image = image.resize(half, Image.Resampling.BOX)
-    axes = Square(center, side, square.roll).axes / SIDE
+    return turned(image, Square(center, side, square.roll), SIDE, mirrored)
+
+
+def turned(image: Image.Image, square: Square, size: int, mirrored: bool) -> np.ndarray:
+    """The square upright, size x size pixels, interpolated."""
+    axes = square.axes / size
     x = axes[:, 0] * (-1 if mirrored else 1)
     # PIL takes the middle of the first pixel for (.5, .5)
-    first = center + 0.5 - (SIDE / 2) * (x + axes[:, 1])
+    first = square.center + 0.5 - (size / 2) * (x + axes[:, 1])
     data = (x[0], axes[0, 1], first[0], x[1], axes[1, 1], first[1])
-    made = image.transform((SIDE, SIDE), Image.Transform.AFFINE, data, Image.Resampling.BILINEAR)
+    made = image.transform((size, size), Image.Transform.AFFINE, data, Image.Resampling.BILINEAR)
     return np.asarray(made)
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from PIL import Image
 
-from ..eyes_and_lips.crops import Shots, Square, filmed
+from ..eyes_and_lips.crops import Shots, Square, filmed, jittered, square_round, turned
 from . import occluders
 
 SIDE, CELLS = 96, 24
@@ -14,37 +14,20 @@ DRAWN = 192  # pixels of the square in which occluders are painted
 POINT, LENGTH = (0.0, -0.0014, 0.08), 0.19  # metres, head frame: the square's middle, and its side
 SIDES = (44.0, 192.0)  # pixels of a filmed square
 JITTER = {"center": 0.04, "side": 0.07, "roll": 4.0}  # s.d.: sides of the square, share, degrees
-EDGE = 80  # pixels
+EDGE = 80  # pixels by which a shot is continued
 BARE, TWO, SHADOWED = 0.33, 0.12, 0.3  # share of the pictures
 
 
 def square_of(shots: Shots, shot: int) -> Square:
-    pose, focal = shots.head_pose[shot], shots.intrinsics[0, 0]
-    at = pose[:3, :3] @ np.array(POINT) + pose[:3, 3]
-    center = focal * at[:2] / at[2] + shots.intrinsics[:2, 2]
-    across = pose[:2, 0] * at[2] - at[:2] * pose[2, 0]
-    return Square(center, LENGTH * focal / at[2], float(np.arctan2(across[1], across[0])))
-
-
-def turned(image: Image.Image, square: Square, size: int, mirrored: bool) -> np.ndarray:
-    axes = square.axes / size
-    x = axes[:, 0] * (-1 if mirrored else 1)
-    first = square.center + 0.5 - (size / 2) * (x + axes[:, 1])
-    data = (x[0], axes[0, 1], first[0], x[1], axes[1, 1], first[1])
-    made = image.transform((size, size), Image.Transform.AFFINE, data, Image.Resampling.BILINEAR)
-    return np.asarray(made)
+    """Where the pose places the square of the face."""
+    return square_round(shots, shot, np.array(POINT), LENGTH)
 
 
 def sample(
     shots: Shots, shot: int, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A picture (SIDE x SIDE x 3, uint8), covered shares of its cells, and how far each is face."""
-    square = square_of(shots, shot)
-    square = Square(
-        square.center + square.side * rng.normal(0, JITTER["center"], 2),
-        square.side * float(np.exp(rng.normal(0, JITTER["side"]))),
-        square.roll + float(np.radians(rng.normal(0, JITTER["roll"]))),
-    )
+    square = jittered(square_of(shots, shot), rng, JITTER)
     # What the picture cuts off goes on as at its edge
     drawn = np.pad(shots.frames[shot], ((EDGE, EDGE), (EDGE, EDGE), (0, 0)), mode="edge")
     square = Square(square.center + EDGE, square.side, square.roll)

@@ -20,9 +20,11 @@ struct Occlusion {
     /// The share of a frontal face, 0 to 1, that is hidden by more than a probability.
     double share(double probability = .5) const;
 
-    /// The share by `kSure` from which something is before a face without doubt: of bare ones .05 at most.
+    /// The share that is surely hidden, and from which something is before a face without doubt: of bare ones
+    /// it is .05 at most, though smiles reach a probability of .5 over a fifth of one.
     static constexpr double kSure = .9, kLeastSure = .06;
-    bool is_sure() const { return share(kSure) >= kLeastSure; }
+    double sure_share() const { return share(kSure); }
+    bool is_sure() const { return sure_share() >= kLeastSure; }
 };
 
 /// The square of a head that is at a pose, which the network was fitted to. Throws InvalidInput: the head is

@@ -44,7 +44,6 @@ LARGEST_ERROR = 0.1  # rms of a face that was found, pupil distances; usual are 
 LEAST_FOLLOWED = 20  # points, for a view to be of use
 SYMMETRY_SIZE = 96  # pixels of the canonical picture that is compared with its mirror image
 LEAST_SYMMETRY = 0.12  # below, the head lies beside the face; well-fitted ones have 0.2 to 0.9
-SURE = 0.9  # probability; smiles reach .5 over a fifth of one bare face, .9 over 3 % of it
 LINES = ("lip_line", "jaw")  # sharper in the picture than points on them
 LINE_SEARCH = 0.07  # half width, pupil distances
 
@@ -86,7 +85,7 @@ def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = Non
     if not faces:
         return None
     face = faces[0 if near is None else _nearest(faces, near)]
-    covered = occlusion_network().see(image, _core.occlusion_square(face)).share(SURE)
+    covered = occlusion_network().see(image, _core.occlusion_square(face)).sure_share()
     image = _core.well_lit(image, face)
     signs, detail = _core.rest_signs(image, face), _core.face_detail(image, face)
     return Judged(signs, detail, _core.expression_of(face), covered, face, faces)
