@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pieces of work at the same time: their results, their order, and what ends them."""
 
+import gc
 import threading
+from contextlib import contextmanager
 
 import pytest
 from mimetic.shared.parallel import THREADS, both, in_turn, side_by_side
@@ -96,6 +98,44 @@ def test_an_item_that_fails_ends_the_rest():
     with pytest.raises(ValueError, match="no face"):
         list(in_turn(work, range(100)))
     assert len(begun) < 6
+
+
+@contextmanager
+def _open_until_closed(open_now):
+    open_now.append("film")
+    try:
+        yield range(100)
+    finally:
+        open_now.clear()
+
+
+def _frames(open_now):
+    with _open_until_closed(open_now) as frames:
+        yield from frames
+
+
+def _fail(item):
+    raise ValueError("no face")
+
+
+@pytest.mark.parametrize(
+    "work",
+    [
+        lambda films: [*in_turn(_fail, films)],
+        lambda films: both(lambda: next(films), lambda: _fail(0)),
+        lambda films: both(lambda: [*in_turn(_fail, films)], lambda: 0),
+    ],
+)
+def test_what_an_error_came_from_is_let_go_with_it(work):
+    """Else a film goes on being decoded until Python ends, which it then cannot."""
+    open_now: list[str] = []
+    gc.disable()
+    try:
+        with pytest.raises(ValueError, match="no face"):
+            work(_frames(open_now))
+        assert not open_now
+    finally:
+        gc.enable()
 
 
 def test_a_single_thread_is_kept_to(monkeypatch):

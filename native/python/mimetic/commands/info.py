@@ -12,6 +12,7 @@ from mimetic.performance.confounding import confounding_text
 from mimetic.performance.corrections import corrected_frames
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import gaze_range, has_gaze
+from mimetic.shared.counted import counted
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -44,7 +45,7 @@ def describe(performance: Performance) -> str:
         "strongest    " + ", ".join(f"{performance.muscles[i]} {peak[i]:.2f}" for i in strongest),
         f"articulators {', '.join(performance.articulators) or 'none'}",
         f"quality      median {np.median(performance.quality):.2f}, "
-        f"lowest {performance.quality.min():.2f}, {num_held} frames held",
+        f"lowest {performance.quality.min():.2f}, {counted(num_held, 'frame')} held",
     ]
     if has_gaze(performance):
         yaw, pitch = gaze_range(performance)

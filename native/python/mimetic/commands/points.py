@@ -21,6 +21,7 @@ from mimetic.performance.document import Performance
 from mimetic.performance.places import RefinedSurface, meets_face, places_under
 from mimetic.performance.projection import rescaled
 from mimetic.shared.array_writer import array_stream, whole_archive
+from mimetic.shared.counted import counted
 from mimetic.shared.regular_file import check_input, check_target
 
 LARGEST_TABLE = 1_000_000  # points
@@ -218,16 +219,16 @@ def run_points(arguments: argparse.Namespace) -> int:
         def look(fraction: float, text: str) -> None:
             console.show(FOUND * fraction, text)
 
-        def counted(frames: Iterable) -> Iterator:
+        def shown(frames: Iterable) -> Iterator:
             for i, frame in enumerate(frames):
                 console.show(FOUND + (1 - FOUND) * i / num_frames, f"following: frame {i + 1}")
                 yield frame
 
         tracks = FollowedPoints(performance, points, arguments.frame, look)
-        write_tracks(arguments.out, num_frames, tracks.on_face, counted(tracks.frames()))
+        write_tracks(arguments.out, num_frames, tracks.on_face, shown(tracks.frames()))
     on_face = tracks.on_face
     print(
         f"{arguments.out}: {int(on_face.sum())} of {len(on_face)} points on the face, "
-        f"{num_frames} frames"
+        f"{counted(num_frames, 'frame')}"
     )
     return 0

@@ -22,6 +22,7 @@ from mimetic.puppet.separability import HARD, advice, separability
 from mimetic.puppet.side_by_side import SideBySide, driven_face, resized
 from mimetic.puppet.templates import TaughtSet
 from mimetic.report.overlay import write_overlay
+from mimetic.shared.counted import counted
 from mimetic.shared.progress import Progress
 from mimetic.shared.whole_file import whole_file
 
@@ -63,8 +64,8 @@ def write_taught_page(taught: TaughtSet, path: Path, name: str) -> list[str]:
             )
         )
     lead = (
-        f"{len(taught.looks)} looks, {len(taught.template_parts)} templates, "
-        f"{len(taught.example_scores)} examples"
+        f"{counted(len(taught.looks), 'look')}, {counted(len(taught.template_parts), 'template')}, "
+        f"{counted(len(taught.example_scores), 'example')}"
     )
     with whole_file(path) as file:
         file.write(drawing.page(f"{name}: taught looks", lead, parts).encode())

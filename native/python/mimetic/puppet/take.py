@@ -16,6 +16,7 @@ from mimetic.performance.gaze import GAZE, modes_with_gaze
 from mimetic.performance.rows import Rows
 from mimetic.puppet.live_face import LiveFace
 from mimetic.puppet.live_filter import LiveState
+from mimetic.shared.counted import counted
 
 LONGEST_BRIDGE = 0.2  # seconds without a picture that are bridged; longer gaps are held
 
@@ -119,12 +120,12 @@ class Take:
     def _notes(self, num_skipped: int) -> list[str]:
         notes = ["recorded live: by a filter without a look ahead; a capture of a video is exacter"]
         if num_skipped:
-            notes.append(f"{num_skipped} pictures came faster than they could be worked on")
+            notes.append(f"{counted(num_skipped, 'picture')} came faster than could be worked on")
         if self.num_faces > 1:
             notes.append("the person's head was fitted anew while the take went on")
         num_held = sum(state.is_held for state in self.states)
         if num_held:
-            notes.append(f"the face was lost in {num_held} pictures, which are held")
+            notes.append(f"the face was lost in, and held for, {counted(num_held, 'picture')}")
         return notes
 
 

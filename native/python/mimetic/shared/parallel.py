@@ -26,7 +26,10 @@ def both(first: Callable[[], A], second: Callable[[], B]) -> tuple[A, B]:
         return first(), second()
     with ThreadPoolExecutor(1) as pool:
         other = pool.submit(second)
-        return first(), other.result()
+        try:
+            return first(), other.result()
+        finally:
+            del other  # as below
 
 
 def in_turn(work: Callable[[A], B], items: Iterable[A]) -> Generator[tuple[A, B], None, None]:
@@ -37,13 +40,17 @@ def in_turn(work: Callable[[A], B], items: Iterable[A]) -> Generator[tuple[A, B]
         return
     with ThreadPoolExecutor(THREADS) as pool:
         begun: deque[tuple[A, Future[B]]] = deque()
-        for item in items:
-            begun.append((item, pool.submit(work, item)))
-            if len(begun) == THREADS:
-                done, result = begun.popleft()
-                yield done, result.result()
-        for done, result in begun:
-            yield done, result.result()
+        try:
+            for item in items:
+                begun.append((item, pool.submit(work, item)))
+                if len(begun) == THREADS:
+                    yield _ended(begun)
+            while begun:
+                yield _ended(begun)
+        finally:
+            # A future holds its error, whose traceback holds this frame: in a circle they would
+            # keep all that the work uses, a film that is being decoded too, until Python ends.
+            begun.clear()
 
 
 def side_by_side(sources: Sequence[Generator[A, None, None]]) -> Generator[A, None, None]:
@@ -63,6 +70,15 @@ def side_by_side(sources: Sequence[Generator[A, None, None]]) -> Generator[A, No
     finally:
         for one in sources:
             one.close()
+
+
+def _ended(begun: deque[tuple[A, Future[B]]]) -> tuple[A, B]:
+    """The first that was begun, taken out, with what came of it."""
+    item, future = begun.popleft()
+    try:
+        return item, future.result()
+    finally:
+        del future
 
 
 def _next_of(items: Iterator[A]) -> tuple[A, ...]:
