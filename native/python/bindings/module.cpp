@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.hpp"
 
+#include <mimetic/shared/error.hpp>
 #include <mimetic/shared/threads.hpp>
 
 namespace mimetic::bindings {
@@ -43,14 +44,32 @@ void bind_analyse_composition(pybind11::module_& m);
 void bind_puppet(pybind11::module_& m);
 void bind_puppet_interpolate(pybind11::module_& m);
 void bind_puppet_live(pybind11::module_& m);
+
+namespace {
+
+void register_exceptions(pybind11::module_& m) {
+    pybind11::register_exception<InvalidInput>(m, "InvalidInput", PyExc_ValueError);
+    pybind11::register_exception<UnreadableMedia>(m, "UnreadableMedia", PyExc_OSError);
+    pybind11::register_local_exception_translator([](std::exception_ptr thrown) {
+        try {
+            std::rethrow_exception(thrown);
+        } catch (const std::exception& error) {
+            if (!says_no_memory(error)) {
+                throw;  // to the next translator
+            }
+            pybind11::set_error(PyExc_MemoryError, error.what());
+        }
+    });
+}
+
+}  // namespace
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
     using namespace mimetic;
     m.doc() = "Mimetic's core: units are SI, images are uint8, arrays are C order.";
     m.attr("__version__") = MIMETIC_VERSION;
-    pybind11::register_exception<InvalidInput>(m, "InvalidInput", PyExc_ValueError);
-    pybind11::register_exception<UnreadableMedia>(m, "UnreadableMedia", PyExc_OSError);
+    bindings::register_exceptions(m);
     follow_thread_limit();
     // In the order of the stages; within one, a class before the signatures that name it, which the stubs
     // repeat

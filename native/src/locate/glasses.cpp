@@ -52,7 +52,7 @@ public:
         return middle_ + kMm * Eigen::Vector3d(x, y, before);
     }
 
-    /// Grey levels of places; 0 outside of the picture.
+    /// Grey levels of places; outside of the picture those of its border.
     cv::Mat1f shown(int rows, int cols, const auto& place_of) const {
         cv::Mat2f map(rows, cols);
         const double shift = (scale_ - 1) / 2;

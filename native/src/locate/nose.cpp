@@ -37,10 +37,7 @@ std::vector<Blob> dark_blobs(const FacePatch& patch, const Eigen::Vector2d& cent
             cv::minMaxLoc(dark(cv::Rect(x - 1, y - 1, 3, 3)), nullptr, &highest);
             if (value < highest) continue;
             blobs.push_back(
-                {patch.luminance.empty()
-                     ? center
-                     : Eigen::Vector2d(Eigen::Vector2d(x + window.x, y + window.y) - patch_pixel({0, 0})) /
-                           kIpd,
+                {Eigen::Vector2d(Eigen::Vector2d(x + window.x, y + window.y) - patch_pixel({0, 0})) / kIpd,
                  value / std::max(spread[0], 1e-4)});
         }
     }

@@ -12,10 +12,14 @@ namespace {
 
 constexpr double kMargin = 0.2;  // of the longer side
 
+int margin_of(const ColorView& image) {
+    const int longer = std::max(image.rows, image.cols);
+    return std::min(static_cast<int>(kMargin * longer), (kLargestImage - longer) / 2);
+}
+
 }  // namespace
 
-Widened::Widened(ColorView image)
-    : margin_(static_cast<int>(kMargin * static_cast<double>(std::max(image.rows, image.cols)))) {
+Widened::Widened(ColorView image) : margin_(margin_of(image)) {
     cv::copyMakeBorder(as_matrix(image), wide_, margin_, margin_, margin_, margin_, cv::BORDER_REPLICATE);
 }
 

@@ -6,7 +6,7 @@
 namespace mimetic::locate {
 
 /// A picture whose edges go on outside of it: what is searched for faces wants a margin about them, which a
-/// face that fills its picture does not leave.
+/// face that fills its picture does not leave. As much wider as a picture may be.
 class Widened {
 public:
     explicit Widened(ColorView image);

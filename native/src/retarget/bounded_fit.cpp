@@ -160,6 +160,9 @@ Eigen::VectorXd fit_bounded(const BoundedProblem& problem, VectorIn start) {
     problem.check();
     require(start.size() == problem.linear.size() && start.allFinite(),
             "a bounded fit starts from a finite value for each unknown");
+    if (start.size() == 0) {
+        return start;  // a character without controls, or a capture without what moves them
+    }
     return Descent(problem, start).run();
 }
 

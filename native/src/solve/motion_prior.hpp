@@ -9,8 +9,8 @@ namespace mimetic {
 /// Throws InvalidInput unless the motion's correlation is empty or one of its values.
 void check_correlation(const FaceMotion& motion);
 
-/// Covariance of the values about rest, M squared: by the motion's correlation, or without one by the two
-/// sides of a face, which mostly act together.
+/// Covariance of the values about rest, M squared, by the motion's correlation; without one every value goes
+/// alone.
 Eigen::MatrixXd rest_covariance(const FaceMotion& motion);
 
 /// A prior for few active values that leaves the active ones alone.

@@ -2,6 +2,7 @@
 #include "reference_view.hpp"
 
 #include <mimetic/shared/error.hpp>
+#include <mimetic/shared/image.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -36,12 +37,14 @@ Box box_of_measured(const FaceSurface& surface, const ProjectedSurface& projecte
 }  // namespace
 
 void PreparedFrame::update(const cv::Mat1b& full, double wanted_scale) {
-    if (wanted_scale > .8) {
+    // The pose of a face that is lost can be anything, also behind the camera
+    const double least = static_cast<double>(kSmallestImage) / std::min(full.rows, full.cols);
+    if (!(std::max(wanted_scale, least) <= .8)) {
         scale = 1;
         full.copyTo(gray);
         return;
     }
-    scale = wanted_scale;
+    scale = std::max(wanted_scale, least);
     cv::resize(full, gray, cv::Size(), scale, scale, cv::INTER_AREA);
 }
 

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <mimetic/locate/locate.hpp>
 #include <mimetic/shared/error.hpp>
+#include <vector>
+
+#include "locate/widened.hpp"
 
 namespace mimetic {
 namespace {
@@ -123,6 +126,20 @@ TEST(FaceLocator, NamesTheDetectorFileThatIsMissing) {
     } catch (const InvalidInput& error) {
         EXPECT_NE(std::string(error.what()).find("nowhere/haarcascade_frontalface_alt2.xml"),
                   std::string::npos);
+    }
+}
+
+TEST(Widened, IsNoLargerThanAPictureMayBe) {
+    constexpr int kRows = 16;
+    for (const int cols : {200, 14000, kLargestImage}) {
+        const std::vector<std::uint8_t> pixels(std::size_t{3} * kRows * static_cast<std::size_t>(cols));
+        const locate::Widened wide({pixels.data(), kRows, cols, 3 * cols});
+        EXPECT_LE(wide.view().cols, kLargestImage) << cols;
+        EXPECT_GE(wide.view().cols, cols) << cols;
+        FaceFeatures face;
+        face.box << 0, 0, 10, 10;
+        const int margin = (wide.view().cols - cols) / 2;
+        EXPECT_EQ(wide.in_picture(face).box(0), -margin) << cols;
     }
 }
 

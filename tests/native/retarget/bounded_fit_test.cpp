@@ -107,6 +107,10 @@ TEST(BoundedFit, WhatMovesNothingStaysAtZero) {
     EXPECT_EQ(fit_bounded(problem, Eigen::VectorXd::Constant(4, .1))[1], 0);
 }
 
+TEST(BoundedFit, NoUnknownsHaveNoValues) {
+    EXPECT_EQ(fit_bounded(random_problem(0, 1, 3), Eigen::VectorXd(0)).size(), 0);
+}
+
 TEST(BoundedFit, WrongProblemsAreRefused) {
     BoundedProblem problem = random_problem(4, 2, 6);
     EXPECT_THROW(fit_bounded(problem, Eigen::VectorXd::Zero(3)), InvalidInput);

@@ -5,6 +5,7 @@
 #include <mimetic/retarget/control_fit.hpp>
 #include <mimetic/shared/error.hpp>
 #include <random>
+#include <utility>
 
 namespace mimetic {
 namespace {
@@ -253,6 +254,19 @@ TEST(ControlFit, LipsThatMusclesHoldShutStayShut) {
     // Parted a little by muscles: with slack, lips may go as far as the keys take them
     EXPECT_NEAR(apart(1, .15, 1000, 20), apart(1, .15, 0, 20), 1e-9);
     EXPECT_NEAR(apart(1, .15, 1000, 0), .05, .02);
+}
+
+TEST(ControlFit, NoControlsAndNoSourcesPlayNothing) {
+    for (const auto& [num_controls, num_sources] : {std::pair(0, 2), std::pair(2, 0), std::pair(0, 0)}) {
+        const ControlFit fit(drawn(num_controls, 3 * kVertices, 1), drawn(num_sources, 3 * kVertices, 2),
+                             kEven, ranges(num_controls), ranges(num_sources));
+        const MatrixRows fitted =
+            fit.frames(MatrixRows::Ones(3, num_sources), MatrixRows::Zero(3, num_controls));
+        EXPECT_EQ(fitted.rows(), 3);
+        EXPECT_EQ(fitted.cols(), num_controls);
+        EXPECT_TRUE((fitted.array() == 0).all());
+        EXPECT_EQ(fit.mapping().rows(), 2 * num_sources);
+    }
 }
 
 TEST(ControlFit, WrongInputIsRefused) {

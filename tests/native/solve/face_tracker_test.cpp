@@ -270,6 +270,18 @@ TEST(FaceTracker, HoldsAHiddenFaceAndFindsItAgainElsewhere) {
     EXPECT_LT((found.camera_from_head.translation() - moved.translation()).norm(), .004);
 }
 
+TEST(FaceTracker, HoldsAHiddenFaceThatIsGuessedBehindOrAtTheCamera) {
+    FaceTracker tracker = make_tracker();
+    Image image = scene().render(scene().camera_from_head, scene().rest());
+    cover(image, 0, scene().camera.width, 1);
+    for (const double depth : {-.65, 0., 1e-4}) {
+        Eigen::Isometry3d guess = scene().camera_from_head;
+        guess.translation().z() = depth;
+        const FrameEstimate estimate = tracker.advance(scene().view(image), guess);
+        EXPECT_TRUE(estimate.held) << depth << " m";
+    }
+}
+
 TEST(FaceTracker, HoldsWhereAnotherFaceStandsAndGoesOnWhenThisOneIsBack) {
     FaceTracker tracker = make_tracker();
     const Image own = scene().render(scene().camera_from_head, scene().rest());

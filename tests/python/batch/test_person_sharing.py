@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Clips of one person share that person's fit, with a stand-in for the commands."""
 
+import json
 import shutil
 import threading
 from dataclasses import replace
@@ -9,6 +10,7 @@ import pytest
 from clips import make_clip
 from mimetic.batch import plan
 from mimetic.batch.clip_list import Row
+from mimetic.batch.person import MARK
 from mimetic.batch.steps import Settings
 from mimetic.batch.task import Task, run_task
 from stand_in import Commands
@@ -141,6 +143,17 @@ def test_what_may_not_fail_again_is_looked_for_again(clips, out, commands):
     for _ in range(2):
         assert run_task(folder, commands) == (2, "no fit of anna: the disk is full")
     assert commands.names == ["fit", "fit"]
+
+
+@pytest.mark.parametrize("parts", [3, 4, 6])
+def test_a_file_of_other_sources_is_no_person(clips, out, commands, parts):
+    (folder,) = folders(out, Row(str(clips[0]), person="anna"))
+    mark = out / "people" / "anna" / MARK
+    document = json.loads(mark.read_text())
+    document["sources"] = [(document["sources"][0] + [""])[:parts]]
+    mark.write_text(json.dumps(document))
+    status, reason = run_task(folder, commands)
+    assert status == 2 and "not a person of a batch" in reason
 
 
 def test_a_fit_in_the_table_is_the_persons(clips, out, commands, tmp_path):

@@ -122,3 +122,10 @@ def test_a_file_that_names_no_value_is_refused(index):
     of[5, 2] = index
     with pytest.raises(InvalidInput, match="confounded_with names values that do not exist"):
         performance(evidence({}, 38), confounded_with=of)
+
+
+def test_a_file_that_names_a_muscle_for_itself_is_refused():
+    of = np.full((NUM_FRAMES, 36), -1)
+    of[5, 2] = 2
+    with pytest.raises(InvalidInput, match="confounded_with names a muscle for itself"):
+        performance(evidence({}, 38), confounded_with=of)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A performance in ARKit's units: what one part of the face does does not show in another's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from acting import make_acting
@@ -60,3 +62,10 @@ def test_shapes_are_in_order_and_end_at_the_units():
 def test_another_mesh_is_refused():
     with pytest.raises(InvalidInput, match="not of the canonical head"):
         UnitFit(["a"], np.zeros((5, 3)), np.zeros((1, 5, 3)), np.array([[0.0, 1.0]]))
+
+
+def test_muscles_alone_play_the_skins_units():
+    acting = make_acting({"mentalis.L": RISE, "mentalis.R": RISE})
+    units = unit_values(acting)
+    alone = unit_values(replace(acting, articulator_modes=None))
+    np.testing.assert_allclose(alone, units, atol=0.01)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <exception>
 #include <stdexcept>
 
 namespace mimetic {
@@ -15,5 +16,9 @@ class UnreadableMedia : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
+
+/// Whether OpenCV says by it that memory does not suffice: it throws no std::bad_alloc. MemoryError in
+/// Python.
+bool says_no_memory(const std::exception& error);
 
 }  // namespace mimetic

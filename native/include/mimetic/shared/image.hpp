@@ -19,7 +19,9 @@ struct ImageView {
 using GrayView = ImageView<1>;
 using ColorView = ImageView<3>;  ///< red, green, blue
 
-/// Throws InvalidInput unless both sides lie within [16, 16384] pixels.
+inline constexpr int kSmallestImage = 16, kLargestImage = 16384;  ///< pixels, each side
+
+/// Throws InvalidInput unless both sides lie within [kSmallestImage, kLargestImage].
 void check_image_size(int rows, int cols, const char* name);
 
 }  // namespace mimetic

@@ -90,7 +90,9 @@ class Person:
         try:
             if document["schema"] != SCHEMA:
                 raise ValueError(f"schema {document['schema']}, this Mimetic knows {SCHEMA}")
-            sources = [(c, frames, fit, *lens) for c, frames, fit, *lens in document["sources"]]
+            sources = [
+                (c, f, fit, focal, sensor) for c, f, fit, focal, sensor in document["sources"]
+            ]
             texts = [document[name] for name in ("key", "fit", "footage")]
             if failed := document.get("failed"):  # none by a Mimetic that did not keep it
                 texts += [failed["key"], failed["reason"]]

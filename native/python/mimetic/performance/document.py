@@ -264,8 +264,11 @@ class Performance:
         if self.muscle_extent is not None and not (self.muscle_extent >= 1).all():
             raise InvalidInput("performance muscle_extent must not be under 1")
         num_values = len(self.muscles) + len(self.articulators)
-        if (of := self.confounded_with) is not None and not ((of >= -1) & (of < num_values)).all():
-            raise InvalidInput("performance confounded_with names values that do not exist")
+        if (of := self.confounded_with) is not None:
+            if not ((of >= -1) & (of < num_values)).all():
+                raise InvalidInput("performance confounded_with names values that do not exist")
+            if (of == np.arange(len(self.muscles))).any():
+                raise InvalidInput("performance confounded_with names a muscle for itself")
         if self.activations_std.min() < 0:
             raise InvalidInput("performance activations_std must not be negative")
         if self.articulator_values_std is not None and (self.articulator_values_std < 0).any():
