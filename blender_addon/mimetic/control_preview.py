@@ -162,6 +162,7 @@ HANDLERS = (
     (bpy.app.handlers.redo_post, _after_undo),
     (bpy.app.handlers.save_pre, _before_save),
     (bpy.app.handlers.save_post, _follow),
+    (bpy.app.handlers.save_post_fail, _follow),
     (bpy.app.handlers.load_pre, _forget),
 )
 

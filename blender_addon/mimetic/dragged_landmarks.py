@@ -16,7 +16,7 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.app.translations import pgettext_iface as iface_
 
-from . import control_preview, editors, handlers, heads, jobs, native, playback, scene_in
+from . import control_preview, editors, handlers, heads, jobs, native, outcome, playback, scene_in
 from .job_run import Run
 
 WATCH_SECONDS, STILL_SECONDS = 0.1, 0.5
@@ -131,7 +131,7 @@ def _attach(window: bpy.types.Window, head: bpy.types.Object) -> None:
             if not reason:
                 attach("INVOKE_DEFAULT", others=head.mimetic.others)
         except RuntimeError as error:  # reported, and by nobody shown
-            reason = str(error).strip().removeprefix("Error: ")
+            reason = outcome.told_by(error)
         if reason:
             _tell(iface_(reason))
         elif jobs.running:
@@ -157,7 +157,7 @@ def _show_again() -> None:
         try:
             bpy.ops.mimetic.preview_controls("INVOKE_DEFAULT")
         except RuntimeError as error:  # reported, and by nobody shown
-            _tell(str(error).strip().removeprefix("Error: "))
+            _tell(outcome.told_by(error))
 
 
 def _tell(reason: str) -> None:
@@ -230,6 +230,7 @@ def unregister() -> None:
     global _following, _is_stale
     _following, _is_stale = None, True
     _watched.clear()
+    handlers.remove(HANDLERS)
+    # After an error in it Blender calls a timer no more, nor knows it
     if bpy.app.timers.is_registered(watch):
         bpy.app.timers.unregister(watch)
-        handlers.remove(HANDLERS)

@@ -14,5 +14,7 @@ def add(pairs: Handlers) -> None:
 
 
 def remove(pairs: Handlers) -> None:
+    """Those that are on them: others may have emptied a list, and not all are put on each."""
     for called, handler in pairs:
-        called.remove(handler)
+        if handler in called:
+            called.remove(handler)

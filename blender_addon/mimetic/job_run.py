@@ -11,7 +11,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import bpy
 from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from . import native
 
 TELLING = 0.02  # of the work, from which on the time left is told
 GIVES_WAY = 3  # nice value that the thread of a job adds: docs/measured/addon.md
@@ -90,6 +94,29 @@ class Run:
         return iface_(", {minutes}:{seconds:02d} left").format(
             minutes=left // 60, seconds=left % 60
         )
+
+
+def scene_name(uid: int) -> str:
+    """Of a scene by its `session_uid`; nothing once it was deleted."""
+    return next((scene.name for scene in bpy.data.scenes if scene.session_uid == uid), "")
+
+
+def check_scene(uid: int) -> None:
+    """Raises InvalidInput where a scene was deleted since a job in it began."""
+    if not scene_name(uid):
+        raise native.invalid_input(
+            rpt_("The scene that this belongs to was deleted meanwhile; nothing was changed")
+        )
+
+
+def have_blender_ask(label: str) -> None:
+    """Before it closes, which it does for a file that is not saved as it is.
+
+    Nothing can hold Blender up from Python. A step without a change says that there is something
+    to save, also after the file was saved in the middle; undoing the job's result leads to it.
+    """
+    if not bpy.data.is_dirty:
+        bpy.ops.ed.undo_push(message=iface_("{job} Begun").format(job=label))
 
 
 def _give_way() -> None:

@@ -20,7 +20,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from . import carrying, editors, native, outcome, playback
 from .greyed import Greyed
-from .job_run import Run
+from .job_run import Run, check_scene, have_blender_ask, scene_name
 from .pace import Pace
 
 NOTHING_CHANGED = "Stopped; nothing was changed"
@@ -28,6 +28,7 @@ NOTHING_CHANGED = "Stopped; nothing was changed"
 running: Run | None = None
 waiting: list[Run] = []
 _ending: list[threading.Thread] = []  # of jobs that Blender ended: they save what they have
+_operators: list[Modal] = []  # that run on beside windows
 
 
 def busy() -> str:
@@ -38,9 +39,10 @@ def busy() -> str:
 def stop_running() -> None:
     """Asks the job at work to end and waits for it: the extension or Blender is going away.
 
-    Blender may have ended its operator before.
+    Blender may have ended its operator before; else it ends it without a word to it.
     """
     global running
+    at_work = [one for one in _operators if one._run is running or one._run in waiting]
     waiting.clear()
     for thread in _ending:
         thread.join()
@@ -49,7 +51,9 @@ def stop_running() -> None:
         running.stop.set()
         if running.thread:
             running.thread.join()
-        running = None
+    for operator in at_work:
+        operator.leave(bpy.context)
+    running = None
 
 
 def discard_running() -> None:
@@ -88,16 +92,6 @@ def _drop_followers(subject: str) -> None:
             _take_turns(run)
 
 
-def _have_blender_ask() -> None:
-    """Before it closes, which it does for a file that is not saved as it is.
-
-    Nothing can hold Blender up from Python. A step without a change says that there is something
-    to save, also after the file was saved in the middle; undoing the job's result leads to it.
-    """
-    if not bpy.data.is_dirty:
-        bpy.ops.ed.undo_push(message=iface_("{job} Begun").format(job=running.label))
-
-
 class Modal(Greyed):
     """Mixin of operators that run on beside the window until they `leave`; beside another one if
     theirs is closed: `invoke` asks `take_over` first.
@@ -128,6 +122,7 @@ class Modal(Greyed):
         manager = context.window_manager
         self._timer = manager.event_timer_add(self.tick_seconds, window=context.window)
         manager.modal_handler_add(self)
+        _operators.append(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
@@ -166,6 +161,7 @@ class Modal(Greyed):
         _redraw()
 
     def _remove_timer(self, context) -> None:
+        _operators[:] = [operator for operator in _operators if operator is not self]
         if self._timer is not None:
             context.window_manager.event_timer_remove(self._timer)
             self._timer = None
@@ -281,6 +277,8 @@ class Job(Modal):
         try:
             if run.stop.is_set():
                 raise native.invalid_input(rpt_(NOTHING_CHANGED))
+            if self.needs_object_mode:
+                check_scene(self._scene)
             if self.subject(context) != run.subject:
                 raise native.invalid_input(
                     rpt_("{clip} is the clip no longer: {job} was not begun").format(
@@ -301,7 +299,7 @@ class Job(Modal):
         if event.type == "TIMER" and self._run is running:
             if running.thread is None:
                 return self._begin(context)
-            _have_blender_ask()
+            have_blender_ask(running.label)
             is_done = running.is_done()
             reason = self._hindrance(context) if is_done else ""
             if self._pace.is_due() and (self._show(context, reason) | self.accompany(context)):
@@ -338,7 +336,7 @@ class Job(Modal):
         return ""
 
     def _elsewhere(self, context) -> str:
-        own = next((s.name for s in bpy.data.scenes if s.session_uid == self._scene), "")
+        own = scene_name(self._scene)
         if context.scene.session_uid == self._scene or not own:
             return ""
         return iface_("waits: go back to the scene {scene}, where it belongs").format(scene=own)
@@ -351,6 +349,8 @@ class Job(Modal):
                 raise run.error
             is_stopped = run.stop.is_set()  # it may be done all the same
             result = run.result if run.keeps_part or not is_stopped else None
+            if result is not None and self.needs_object_mode:
+                check_scene(self._scene)  # no other scene is to get its objects
             answer = self._write(context, result, is_stopped)
         except native.known_errors() as error:
             if run.error and run.stop.is_set():  # it had nothing yet to keep

@@ -13,7 +13,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from . import clip_lens, clips, compat, fast_view, jobs, native, scene_in, takes, targets
+from . import clip_lens, clips, compat, fast_view, jobs, native, outcome, scene_in, takes, targets
 from .live_settings import CHANNELS, package_channels
 from .scene_out import face_fit
 from .scene_out.live import Place
@@ -171,8 +171,7 @@ def end_take(context, session: Session) -> str:
     take, offset = session.thread.end_take()
     if take is None:
         return ""
-    # A camera has no footage
-    performance = take.performance(getattr(session.thread.source, "footage", None))
+    performance = _performance_of(session, take)
     path, notes = takes.save(performance, _new_take(session))  # keying must not lose it
     session.takes.append(path)
     channels = package_channels(context.scene.mimetic.live.channels)
@@ -191,6 +190,29 @@ def end_take(context, session: Session) -> str:
         last=summary.last,
         name=session.puppet.name,
     )
+
+
+def keep_unfinished(session: Session) -> None:
+    """Saves the take that is still recorded, of a session that ends otherwise than by Stop: Blender
+    is closed or opens a file, or an error has ended it. It is not keyed; the console names it."""
+    if not session.is_recording:
+        return
+    session.thread.stop()
+    take, _ = session.thread.end_take()
+    if take is None:
+        return
+    try:
+        path, _ = takes.save(_performance_of(session, take), _new_take(session))
+    except native.known_errors() as error:
+        print(outcome.readable(f"Mimetic: the take that was recorded is lost: {error}"))
+    else:
+        session.takes.append(path)
+        print(outcome.readable(f"Mimetic: the take that was recorded is kept: {path}"))
+
+
+def _performance_of(session: Session, take):
+    """The Performance of a take; a camera has no footage."""
+    return take.performance(getattr(session.thread.source, "footage", None))
 
 
 def _place_of(session: Session, performance) -> Place:

@@ -18,8 +18,18 @@ def cancelled(operator, context, message: str, level: str = "ERROR") -> set[str]
     return _told(operator, context, "CANCELLED", level, message, {})
 
 
+def readable(text: str) -> str:
+    """As Blender takes it: names of files may have bytes that are no UTF-8."""
+    return text.encode(errors="backslashreplace").decode()
+
+
+def told_by(error: RuntimeError) -> str:
+    """What an operator that was called has reported, of which `bpy.ops` makes an error."""
+    return str(error).strip().removeprefix("Error: ")
+
+
 def _told(operator, context, status: str, level: str, message: str, facts: dict) -> set[str]:
-    message = rpt_(message)
+    message = readable(rpt_(message))
     if message:
         operator.report({level}, message)
     result = {

@@ -104,7 +104,7 @@ def take(context) -> takes.Take:
 
 
 def no_performance(context) -> str:
-    return no_take(context, "Capture") or _face_in_edit_mode(context.scene.mimetic.face)
+    return no_take(context, "Capture") or no_edit_mode(context.scene.mimetic.face)
 
 
 def no_footage_frame(clip: bpy.types.MovieClip, frame: int) -> str:
@@ -229,7 +229,7 @@ def no_face(context) -> str:
     face = face_of(context)
     if face is None:
         return "Press Bake or Add Face first: the scene has no face"
-    return _face_in_edit_mode(face)
+    return no_edit_mode(face)
 
 
 def no_sliders(context) -> str:
@@ -257,7 +257,8 @@ def no_sight(obj: bpy.types.Object) -> str:
     return iface_("{face} is hidden; show it to export it").format(face=obj.name)
 
 
-def _face_in_edit_mode(face: bpy.types.Object | None) -> str:
+def no_edit_mode(face: bpy.types.Object | None) -> str:
+    """Why a face's shape keys cannot be changed: what is done to them then, leaving it undoes."""
     return (
         iface_("Leave {name}'s edit mode first").format(name=face.name)
         if face and face.mode == "EDIT"

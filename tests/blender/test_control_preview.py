@@ -101,6 +101,14 @@ def test_a_saved_file_has_the_character_as_it_was(extension, shown, scene, tmp_p
     assert values(bpy.data.objects[name])["jawOpen"] == pytest.approx(0.125)
 
 
+def test_it_goes_on_after_a_file_that_could_not_be_saved(extension, shown, scene, tmp_path):
+    scene.frame_set(open_frame(extension, shown, scene))
+    seen = values(shown)["jawOpen"]
+    with pytest.raises(RuntimeError):
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "missing" / "saved.blend"))
+    assert values(shown)["jawOpen"] == pytest.approx(seen) != 0.125
+
+
 def test_bones_of_a_rig_are_shown_and_put_back(rig, scene, acting_file):  # noqa: F811
     scene.render.fps = 25
     bpy.ops.mimetic.load_performance(filepath=str(acting_file))

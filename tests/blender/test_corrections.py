@@ -207,7 +207,7 @@ def test_what_a_shorter_take_does_not_have_waits_for_one_that_does(
     bpy.ops.mimetic.load_performance(filepath=str(short))
     refined = refine(tmp_path)
     assert [json.loads(text)["frame"] for text in refined.corrections] == [4]
-    assert "1 more are of frames that this take does not have" in result()["message"]
+    assert "1 more is of a frame that this take does not have" in result()["message"]
     assert [entry.frame for entry in kept(extension, captured)] == [4, 25]
 
 

@@ -213,7 +213,9 @@ def test_a_job_that_is_stopped_as_it_ends_writes_only_what_it_keeps(
     run.stop.set()
     written = []
     job = SimpleNamespace(
-        leave=lambda _: None, _write=lambda _, result, stopped: written.append((result, stopped))
+        needs_object_mode=False,
+        leave=lambda _: None,
+        _write=lambda _, result, stopped: written.append((result, stopped)),
     )
     monkeypatch.setattr(jobs, "running", run)
     jobs.Job._end(job, bpy.context)

@@ -3,10 +3,13 @@
 
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
+from last_result import result
+from panel_texts import drawn
 
 pytestmark = pytest.mark.oldest_and_newest
 
@@ -110,6 +113,17 @@ def test_an_expression_blends_from_what_the_face_is(scene, face, smile):
     assert face.data.shape_keys.animation_data is None
 
 
+def test_a_blend_that_blender_ends_leaves_the_face_as_it_was(extension, face, smile):
+    kind = extension("operators.expressions").MIMETIC_OT_apply_expression
+    block, texts = face.data.shape_keys.key_blocks["zygomaticus_major.L"], []
+    blending = SimpleNamespace(_face_name=face.name, _start={block.name: 0.2})
+    blending._restore = lambda: kind._restore(blending)
+    block.value = 0.7
+    workspace = SimpleNamespace(status_text_set=texts.append)
+    kind.cancel(blending, SimpleNamespace(workspace=workspace))
+    assert block.value == pytest.approx(0.2) and texts == [None]
+
+
 def test_it_is_keyed_where_that_is_wished(extension, scene, face, smile):
     scene.frame_set(12)
     bpy.ops.mimetic.apply_expression(action="smile", use_key=True)
@@ -171,6 +185,15 @@ def test_strips_compose_to_one_expression_that_never_adds_up(extension, scene, f
     assert np.abs(np.diff(lips)).max() < 0.15
     made = extension("scene_out").expressions.document_of(bpy.data.actions["two smiles"])
     assert made.seconds == pytest.approx(1.0 + 10 / 30, abs=0.04)
+
+
+def test_one_strip_and_one_lost_frame_are_told_as_one(face, smile):
+    bpy.ops.mimetic.sequence_expression(action="smile")
+    bpy.ops.mimetic.compose_expressions(name="Alone")
+    assert result()["message"].startswith("1 strip is Alone, from frame ")
+    take = face.mimetic.takes.add()
+    take.name, take.num_lost = "take", 1
+    assert "quality 0.00, 1 frame lost" in drawn("MIMETIC_PT_takes")
 
 
 def test_a_still_sequences_as_a_motion_and_other_scene_rates_keep_seconds(extension, scene, face):

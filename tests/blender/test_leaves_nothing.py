@@ -89,6 +89,15 @@ def test_fifty_times_off_and_on_leave_nothing(scene, performance_file):
     )
 
 
+def test_handlers_go_although_an_error_ended_the_timer_beside_them(extension):
+    before, dragged = handlers(), extension("dragged_landmarks")
+    extension("handlers").add(dragged.HANDLERS)  # as in a window
+    assert handlers() != before and not bpy.app.timers.is_registered(dragged.watch)
+    dragged.unregister()
+    assert handlers() == before
+    dragged.unregister()  # another extension may have emptied a list
+
+
 def test_draw_callbacks_go_with_the_extension(drawn):
     if MODULE in bpy.context.preferences.addons:
         DISABLE(module=MODULE)

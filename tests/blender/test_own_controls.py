@@ -336,16 +336,23 @@ def test_an_end_of_a_range_takes_the_other_along(loaded, tmp_path):
     assert row(loaded, "jawOpen").lowest == -0.5
 
 
+PRESETS = (("save", bpy.ops.mimetic.save_controls), ("load", bpy.ops.mimetic.load_controls))
+
+
 def test_rows_are_mirrored_and_kept_as_a_preset(loaded, tmp_path):
     bpy.ops.mimetic.fit_controls()
     row(loaded, "mouthSmileLeft").gain = 1.5
     bpy.ops.mimetic.mirror_controls()
     assert row(loaded, "mouthSmileRight").gain == 1.5
+    assert result()["message"] == "1 row changed"
     path = tmp_path / "hero.json"
     with pytest.raises(RuntimeError, match="the file has no name"):
         bpy.ops.mimetic.save_controls(filepath=f"{tmp_path}/")
     bpy.ops.mimetic.save_controls(filepath=str(path))
     assert list(tmp_path.iterdir()) == [path]
+    # By this property Blender's file browser asks before it writes over a file
+    asks = {name: "check_existing" in kind.get_rna_type().properties for name, kind in PRESETS}
+    assert asks == {"save": True, "load": False}
     bpy.ops.mimetic.fit_controls(reset_edits=True)
     assert row(loaded, "mouthSmileRight").gain == 1.0
     loaded.data.shape_keys.key_blocks["Hair"].name = "Fur"

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from panel_texts import drawn
 
 METRES = 2e-6
 
@@ -70,6 +71,14 @@ def test_no_face_is_added_in_edit_mode(added):
     bpy.ops.object.mode_set(mode="EDIT")
     assert not bpy.ops.mimetic.add_face.poll()
     assert not bpy.ops.mimetic.rest_face.poll()
+
+
+def test_contact_is_not_switched_in_edit_mode_which_would_bring_it_back(added):
+    leave = f"Leave {added.name}'s edit mode first"
+    assert leave not in drawn("MIMETIC_PT_muscles")
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert leave in drawn("MIMETIC_PT_muscles")
+    bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def test_muscles_jaw_and_groups_add_up(added, head):

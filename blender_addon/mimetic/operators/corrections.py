@@ -12,6 +12,7 @@ from .. import (
     editors,
     native,
     outcome,
+    plural,
     scene_in,
     takes,
 )
@@ -151,18 +152,20 @@ class MIMETIC_OT_refine(Job, Operator):
         path, remarks = takes.save(refined, new)
         frames = [entry.frame for entry in kept]
         if num_left := len(entries) - len(kept):
-            remarks = [
-                rpt_("{count} more are of frames that this take does not have").format(
-                    count=num_left
-                ),
-                *remarks,
-            ]
+            text = rpt_("{count} more are of frames that this take does not have")
+            if num_left == 1:
+                text = rpt_("1 more is of a frame that this take does not have")
+            remarks = [text.format(count=num_left), *remarks]
         facts = {"clip": take.clip_name, "performance": path, "frames": frames}
         return (
             facts,
             native.take_facts().facts_of(refined),
             [
-                rpt_("Refined about {count} corrected frames").format(count=len(frames)),
+                plural.one_or_many(
+                    len(frames),
+                    rpt_("Refined about 1 corrected frame"),
+                    rpt_("Refined about {count} corrected frames"),
+                ).format(count=len(frames)),
                 *remarks,
             ],
         )

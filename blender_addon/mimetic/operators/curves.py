@@ -5,7 +5,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy.types import Operator
 
-from .. import editors, native, outcome, scene_in, scene_out, targets
+from .. import editors, native, outcome, plural, scene_in, scene_out, targets
 from ..greyed import Greyed
 from .curve_options import MIRRORS
 from .key_options import FewKeysOptions
@@ -156,7 +156,11 @@ class WithinLimits:
     def told(self, values, what: str, beyond: int):
         message = f"{_count(values)} {what}"
         if beyond:
-            message += rpt_("; {count} keys kept within their limits").format(count=beyond)
+            message += plural.one_or_many(
+                beyond,
+                rpt_("; 1 key kept within its limits"),
+                rpt_("; {count} keys kept within their limits"),
+            ).format(count=beyond)
         return message, {"num_curves": len(values), "num_keys_limited": beyond}
 
 

@@ -5,7 +5,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 from bpy.types import Operator
 
-from .. import native, outcome, scene_in, scene_out, targets
+from .. import native, outcome, plural, scene_in, scene_out, targets
 from ..greyed import Greyed
 from .chosen_expression import OnFace, chosen
 
@@ -72,9 +72,11 @@ class MIMETIC_OT_compose_expressions(Greyed, Operator):
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
         frames = [span.first, span.last]
-        text = rpt_("{count} strips are {name}, from frame {first:.6g} to {last:.6g}").format(
-            count=count, name=self.name, first=span.first, last=span.last
-        )
+        text = plural.one_or_many(
+            count,
+            rpt_("1 strip is {name}, from frame {first:.6g} to {last:.6g}"),
+            rpt_("{count} strips are {name}, from frame {first:.6g} to {last:.6g}"),
+        ).format(count=count, name=self.name, first=span.first, last=span.last)
         return outcome.finished(self, context, text, object=face.name, scene_frames=frames)
 
 

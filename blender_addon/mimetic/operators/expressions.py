@@ -9,7 +9,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from .. import editors, native, outcome, scene_in, scene_out
+from .. import editors, native, outcome, plural, scene_in, scene_out
 from ..greyed import Greyed
 from ..jobs import Job
 from .chosen_expression import OfExpression, OnFace, chosen
@@ -130,8 +130,7 @@ class MIMETIC_OT_apply_expression(OnFace, Operator):
             self.is_mirrored = not self.is_mirrored
             self._read(context)
         elif event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
-            self._restore()
-            context.workspace.status_text_set(None)
+            self.cancel(context)
             return {"CANCELLED"}
         elif event.type in {"LEFTMOUSE", "RET"} and event.value == "PRESS":
             context.workspace.status_text_set(None)
@@ -141,6 +140,11 @@ class MIMETIC_OT_apply_expression(OnFace, Operator):
         self._blend()
         self._show(context)
         return {"RUNNING_MODAL"}
+
+    def cancel(self, context):
+        """Blender ends it: its window was closed, or a file is loaded."""
+        self._restore()
+        context.workspace.status_text_set(None)
 
     def _begin(self, context) -> bool:
         try:
@@ -262,9 +266,11 @@ class MIMETIC_OT_load_expressions(Job, Operator):
         rate = scene_in.timing(context.scene, None).scene_rate
         for name, document, picture in result:
             show(context.scene, scene_out.expressions.new_asset(name, document, rate, picture))
-        return rpt_("{count} expressions are assets now: {names}").format(
-            count=len(result), names=", ".join(name for name, *_ in result)
-        )
+        return plural.one_or_many(
+            len(result),
+            rpt_("1 expression is an asset now: {names}"),
+            rpt_("{count} expressions are assets now: {names}"),
+        ).format(count=len(result), names=", ".join(name for name, *_ in result))
 
 
 class MIMETIC_OT_save_expression(OfExpression, Operator):

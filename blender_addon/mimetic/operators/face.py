@@ -136,7 +136,11 @@ class MIMETIC_OT_pick_face(Greyed, Operator):
         region = next(region for region in area.regions if region.type == "WINDOW")
         # Its own editor may be gone, and the clip of another one would be looked at
         with context.temp_override(area=area, region=region):
-            bpy.ops.mimetic.find_face("INVOKE_DEFAULT", near=near)
+            try:
+                bpy.ops.mimetic.find_face("INVOKE_DEFAULT", near=near)
+            except RuntimeError as error:  # it was pressed meanwhile, or the file is gone
+                self.report({"WARNING"}, outcome.told_by(error))
+                return {"CANCELLED"}
         return {"FINISHED"}
 
     def cancel(self, context):

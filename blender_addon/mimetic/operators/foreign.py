@@ -4,7 +4,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator
 
-from .. import control_preview, head_parts, heads, native, scene_out, writable
+from .. import control_preview, head_parts, heads, native, plural, scene_out, writable
 from ..jobs import Job
 
 
@@ -172,9 +172,11 @@ class MIMETIC_OT_add_arkit_shapes(WithParts, Job, Operator):
         if worn := scene_out.part_keys.of_worn(head):
             message += f"; {worn}"
         if kept := written.kept:
-            message += rpt_("; {count} keys of such names stay as they were: {names}").format(
-                count=len(kept), names=", ".join(kept[:4])
-            )
+            message += plural.one_or_many(
+                len(kept),
+                rpt_("; 1 key of such a name stays as it was: {names}"),
+                rpt_("; {count} keys of such names stay as they were: {names}"),
+            ).format(count=len(kept), names=", ".join(kept[:4]))
         changes = written.hand_changes.text()
         return f"{message}; {changes}" if changes else message
 

@@ -9,7 +9,18 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty
 from bpy.types import Operator
 
-from .. import editors, fast_view, jobs, live, live_looks, native, outcome, scene_in, scene_out
+from .. import (
+    editors,
+    fast_view,
+    jobs,
+    live,
+    live_looks,
+    native,
+    outcome,
+    plural,
+    scene_in,
+    scene_out,
+)
 from ..greyed import Greyed
 from ..live_settings import CHANNELS, MimeticLive
 from ..overlay import session as session_view
@@ -161,8 +172,11 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         elif command == "KEEP":
             if reason := MIMETIC_OT_keep_look.obstacle(context):
                 self.report({"WARNING"}, rpt_(reason))
-            else:
+                return False
+            try:
                 bpy.ops.mimetic.keep_look()
+            except RuntimeError as error:  # of a name, for instance, that is none; it goes on
+                self.report({"WARNING"}, outcome.told_by(error))
         return command == "STOP"
 
     def _end_take(self, context, session) -> None:
@@ -170,7 +184,7 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         try:
             message = live.end_take(context, session)
         except native.known_errors() as error:
-            self.report({"WARNING"}, str(error))
+            self.report({"WARNING"}, outcome.readable(str(error)))
         else:
             if message:
                 self.report({"INFO"}, message)
@@ -193,14 +207,22 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
                 return outcome.cancelled(self, context, str(error))
             return outcome.cancelled(self, context, "Stopped; nothing was recorded", "INFO")
         if error:
-            self.report({"WARNING"}, str(error))
-        message = message or rpt_("{count} takes recorded").format(count=len(session.takes))
+            self.report({"WARNING"}, outcome.readable(str(error)))
+        count = len(session.takes)
+        recorded = plural.one_or_many(
+            count, rpt_("1 take recorded"), rpt_("{count} takes recorded")
+        )
+        message = message or recorded.format(count=count)
         return _finished(self, context, session, message)
 
     def leave(self, context) -> None:
         session, live.active = live.active, None
         jobs.Modal.leave(self, context)
-        if session is not None:
+        if session is None:
+            return
+        try:
+            live.keep_unfinished(session)
+        finally:
             session.end()
 
 

@@ -16,6 +16,7 @@ from .. import (
     native,
     outcome,
     playback,
+    plural,
     scene_in,
     scene_out,
     takes,
@@ -132,7 +133,10 @@ class MIMETIC_OT_fit_controls(Fitting, Operator):
         character = writable.own_object(context.scene, name)
         gone = self.write_rows(character, rows, played)
         self.facts = {"object": name, "num_controls": len(rows)}
-        message = rpt_("{name}: {count} controls").format(name=name, count=len(rows))
+        text = plural.one_or_many(
+            len(rows), rpt_("{name}: 1 control"), rpt_("{name}: {count} controls")
+        )
+        message = text.format(name=name, count=len(rows))
         said = f"; {played.summary()}" if played else rpt_("; no performance yet")
         return message + said + gone
 
@@ -276,9 +280,8 @@ class MIMETIC_OT_mirror_controls(OnControls, Operator):
         rows = native.controls().mirrored(before, self.from_side)
         _write_rows(character, rows)
         count = sum(row != old for row, old in zip(rows, before, strict=True))
-        return outcome.finished(
-            self, context, rpt_("{count} rows changed").format(count=count), num_rows=count
-        )
+        text = plural.one_or_many(count, rpt_("1 row changed"), rpt_("{count} rows changed"))
+        return outcome.finished(self, context, text.format(count=count), num_rows=count)
 
 
 class Preset(OnControls):
@@ -306,6 +309,9 @@ class MIMETIC_OT_save_controls(Preset, Operator):
     bl_idname = "mimetic.save_controls"
     bl_label = "Save Controls"
 
+    # The file browser asks before another preset is written over
+    check_existing: BoolProperty(default=True, options={"HIDDEN"})
+
     def execute(self, context):
         rows = control_rows.rows_of(scene_in.active(context))
         try:
@@ -313,12 +319,9 @@ class MIMETIC_OT_save_controls(Preset, Operator):
             native.controls().save_preset(rows, path)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        return outcome.finished(
-            self,
-            context,
-            rpt_("{file}: {count} rows").format(file=path.name, count=len(rows)),
-            file=str(path),
-        )
+        text = plural.one_or_many(len(rows), rpt_("{file}: 1 row"), rpt_("{file}: {count} rows"))
+        message = text.format(file=path.name, count=len(rows))
+        return outcome.finished(self, context, message, file=str(path))
 
 
 class MIMETIC_OT_load_controls(Preset, Operator):
@@ -340,9 +343,11 @@ class MIMETIC_OT_load_controls(Preset, Operator):
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
         _write_rows(character, [*rows, *package.waiting(before, ranges)])
-        message = rpt_("{count} rows from {file}").format(
-            count=len(preset) - len(strangers), file=Path(self.filepath).name
+        count = len(preset) - len(strangers)
+        text = plural.one_or_many(
+            count, rpt_("1 row from {file}"), rpt_("{count} rows from {file}")
         )
+        message = text.format(count=count, file=Path(self.filepath).name)
         if strangers:
             message += rpt_("; {character} has no {names}").format(
                 character=character.name, names=", ".join(strangers)

@@ -3,7 +3,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import FloatProperty
 from bpy.types import Operator
 
-from .. import clips, native, outcome, scene_in, scene_out, takes, writable
+from .. import clips, native, outcome, plural, scene_in, scene_out, takes, writable
 from ..greyed import Greyed
 from ..jobs import Job
 from . import arguments
@@ -43,9 +43,11 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
         clip = clips.named(clip_name)
         num_frames = scene_out.stabilised.hold_still(clip, performance)
         self.facts = {"clip": clip_name, "num_frames": num_frames}
-        return rpt_("The head is held still in {count} frames of {clip}").format(
-            count=num_frames, clip=clip.name
-        )
+        return plural.one_or_many(
+            num_frames,
+            rpt_("The head is held still in 1 frame of {clip}"),
+            rpt_("The head is held still in {count} frames of {clip}"),
+        ).format(count=num_frames, clip=clip.name)
 
 
 class MIMETIC_OT_release_head(Greyed, Operator):

@@ -3,7 +3,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import IntProperty
 from bpy.types import Operator
 
-from .. import jobs, outcome, playback
+from .. import jobs, outcome, playback, plural
 from ..greyed import Greyed
 
 
@@ -38,6 +38,10 @@ class MIMETIC_OT_stop(Greyed, Operator):
             jobs.waiting.pop(self.index - 1)
         else:
             return outcome.cancelled(
-                self, context, rpt_("{count} jobs wait").format(count=len(jobs.waiting))
+                self,
+                context,
+                plural.one_or_many(
+                    len(jobs.waiting), rpt_("1 job waits"), rpt_("{count} jobs wait")
+                ).format(count=len(jobs.waiting)),
             )
         return outcome.finished(self, context, "")

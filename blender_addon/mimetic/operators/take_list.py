@@ -5,7 +5,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import FloatProperty, StringProperty
 from bpy.types import Operator
 
-from .. import editors, native, outcome, scene_in, scene_out, targets
+from .. import editors, native, outcome, plural, scene_in, scene_out, targets
 from ..greyed import Greyed
 
 
@@ -166,7 +166,12 @@ class MIMETIC_OT_unmark_lost(Greyed, Operator):
         if not count:
             return outcome.cancelled(self, context, "No lost frames are marked", "INFO")
         editors.redraw()
-        return outcome.finished(self, context, rpt_("{count} markers removed").format(count=count))
+        return outcome.finished(self, context, _removed(count))
+
+
+def _removed(count: int) -> str:
+    text = plural.one_or_many(count, rpt_("1 marker removed"), rpt_("{count} markers removed"))
+    return text.format(count=count)
 
 
 CLASSES = (

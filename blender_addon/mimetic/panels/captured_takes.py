@@ -4,7 +4,7 @@
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Panel, UIList
 
-from .. import captured_takes, clips, scene_in, takes
+from .. import captured_takes, clips, plural, scene_in, takes
 from . import list_rows
 from .clip_overlays import OfClip
 from .paragraph import paragraph
@@ -50,9 +50,11 @@ class MIMETIC_PT_captured_takes(OfClip, Panel):
             column.operator("mimetic.find_missing")
         paragraph(
             column,
-            iface_("quality {quality:.2f}, {count} frames lost").format(
-                quality=take.quality, count=take.num_lost
-            ),
+            plural.one_or_many(
+                take.num_lost,
+                iface_("quality {quality:.2f}, 1 frame lost"),
+                iface_("quality {quality:.2f}, {count} frames lost"),
+            ).format(quality=take.quality, count=take.num_lost),
         )
         settings = captured_takes.settings_of(take)
         text = iface_("captured {date}; {settings}").format(date=take.date, settings=settings)

@@ -52,7 +52,8 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         if has_landmarks:
             layout.prop(face.mimetic, "use_live_landmarks")
         row = layout.row()
-        row.enabled = not (reason := writable.no_shapes(face))
+        reason = writable.no_shapes(face) or scene_in.no_edit_mode(face)
+        row.enabled = not reason
         row.prop(face.mimetic, "use_contact")
         paragraph(layout, reason or contact.problem_of(face))
         keys = face.data.shape_keys.key_blocks

@@ -9,6 +9,8 @@ import blf
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from .. import outcome
+
 MARGINS = 60  # of a sidebar's width, pixels at a UI scale of 1: tabs, frame of the panel, label
 UNIT = 20  # pixels at a UI scale of 1: an icon, or a button that shows nothing else
 LETTERS, LETTERS_OF_UNIT = 44, 4  # in a line where there is no window to measure in
@@ -25,7 +27,7 @@ def paragraph(
     limit, width_of, unit = _measure()
     beside = unit * num_beside + (width_of("mmm") if icon != "NONE" else 0)
     # Whole: no translation has its lines
-    text = iface_(text)
+    text = outcome.readable(iface_(text))
     for i, line in enumerate(lines(text, limit - beside, width_of)):
         layout.label(text=line, icon="NONE" if i else icon)
 
@@ -33,7 +35,7 @@ def paragraph(
 def one_line(text: str, num_beside: float = 0) -> str:
     """The text, without its middle where that does not fit beside so many icons or buttons."""
     limit, width_of, unit = _measure()
-    return shortened(text, limit - unit * num_beside, width_of)
+    return shortened(outcome.readable(text), limit - unit * num_beside, width_of)
 
 
 def units_of(text: str) -> float:

@@ -4,7 +4,7 @@
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Panel, UIList
 
-from .. import native, scene_out, targets
+from .. import native, plural, scene_out, targets
 from . import list_rows
 from .muscles import Muscles
 from .paragraph import paragraph
@@ -61,9 +61,11 @@ class MIMETIC_PT_takes(Muscles, Panel):
             iface_("{footage}, frames {first} to {last}").format(
                 footage=take.clip or take.performance, first=take.first, last=take.last
             ),
-            iface_("quality {quality:.2f}, {count} frames lost").format(
-                quality=take.quality, count=take.num_lost
-            ),
+            plural.one_or_many(
+                take.num_lost,
+                iface_("quality {quality:.2f}, 1 frame lost"),
+                iface_("quality {quality:.2f}, {count} frames lost"),
+            ).format(quality=take.quality, count=take.num_lost),
             iface_("baked {date}; {settings}").format(date=take.date, settings=take.settings),
         ]
         for line in lines:

@@ -55,6 +55,10 @@ def at_rest(num_removed: int, name: str) -> str:
     """What to say of sliders of an object's that `replace` put to rest, or nothing."""
     if not num_removed:
         return ""
+    if num_removed == 1:
+        return rpt_("1 slider of {name} that an earlier take moved is at rest now").format(
+            name=name
+        )
     return rpt_("{count} sliders of {name} that an earlier take moved are at rest now").format(
         count=num_removed, name=name
     )

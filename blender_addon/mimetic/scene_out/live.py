@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from .. import native, scene_in, world
+from .. import native, scene_in, world, writable
 from . import actions, bound, by_hand, contact, own_keys, standing
 
 HEAD_PATHS = {"head_position": "location", "head_rotation": "rotation"}
@@ -153,7 +153,7 @@ class Puppet:
 def write_values(face: bpy.types.Object, values) -> None:
     """Sets all shape keys at once, unless some came or went since `values` were read."""
     keys = face.data.shape_keys
-    if len(keys.key_blocks) == len(values):
+    if keys is not None and len(keys.key_blocks) == len(values):
         keys.key_blocks.foreach_set("value", values)
         keys.update_tag()
 
@@ -183,7 +183,11 @@ def record(
     channels: that are recorded (`mimetic.puppet.channels`); the curves of all else are copied from
     the actions that were there. The scene's rate and range stay.
     """
-    face = scene.objects[puppet.name]
+    face = writable.own_object(scene, puppet.name)
+    if face.data.shape_keys is None:
+        raise native.invalid_input(
+            rpt_("{face} has lost its shape keys meanwhile").format(face=face.name)
+        )
     parts = native.puppet("driven_face")
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, place))
     keys = face.data.shape_keys

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import bpy
 import numpy as np
 
-from .. import control_rows, native, scene_in
+from .. import control_rows, native, scene_in, writable
 from . import face_bones, own_controls, own_keys
 from .live import HEAD_PATHS, LiveHead, Place, TakeSummary, write_values
 from .live_bones import LiveHeadBones
@@ -111,7 +111,7 @@ class ControlPuppet:
         self, scene: bpy.types.Scene, performance, take: str, place: Place, channels: frozenset[str]
     ) -> TakeSummary:
         """Keys a take as a bake does; of channels, those of the head alone can be left out."""
-        character = scene.objects[self.name]
+        character = writable.own_object(scene, self.name)
         played = native.playing().play(performance, self._surface, self._rows, self._options)
         bake = face_bones.bake if self._is_rig else own_controls.bake
         moves_head = bool(channels & set(HEAD_PATHS))

@@ -84,7 +84,9 @@ def put_to_rest(id_block: bpy.types.ID, path: str, index: int) -> None:
     if name.startswith("["):
         _put_own_property(thing, bpy.utils.unescape_identifier(name[2:-2]))
         return
-    of = thing.bl_rna.properties[name[1:]]
+    of = thing.bl_rna.properties.get(name[1:])
+    if of is None:  # of a bone's constraint, for instance: no rest of a bone or key
+        return
     if isinstance(thing, bpy.types.ShapeKey):
         thing.value = 0.0  # Blender 5.0 gives 1 as the property's default
     elif of.is_array:
