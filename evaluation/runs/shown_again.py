@@ -4,11 +4,12 @@
     python -m evaluation.runs.shown_again [--clips NAME ...] [--ways NAME ...] [--seconds S]
 
 The first part of each fetched clip, as it is and mirrored, backward, at half the size, moved,
-rolled, and coded anew with few bits, is each captured from the start: face, rest and all. The same
-muscles must come out, mirrored ones of the other side. Nothing here says that they are right; but
-what differs more than the error bars allow is wrong in one of the two at least, and no truth is
-needed to see it. Printed are the 95 % intervals of the difference that hold 0, of the muscles and
-articulators that are beyond .1 in one of the two, and root mean squares of the differences.
+rolled, coded anew with few bits, and with the noise of a dark room, is each captured from the
+start: face, rest and all. The same muscles must come out, mirrored ones of the other side. Nothing
+here says that they are right; but what differs more than the error bars allow is wrong in one of
+the two at least, and no truth is needed to see it. Printed are the 95 % intervals of the difference
+that hold 0, of the muscles and articulators that are beyond .1 in one of the two, and root mean
+squares of the differences.
 Activations are counted at the strength that is assumed, not at the person's own extent.
 """
 
@@ -45,6 +46,10 @@ FINE, COARSE = 4, 34  # constant rate factors of H.264
 ROLL = 8  # degrees
 MOVED = (16, 9)  # pixels right, down
 GRAY = (128, 128, 128)
+# Of a camera in a dark room: electrons of white, s.d. of reading as a share of white, s.d. of
+# colour in grey levels and its grain in pixels, share of grey levels that is left
+ELECTRONS, READING, COLOUR, GRAIN, DARK = 60, 0.02, 14.0, 4, 0.8
+GAMMA = 2.2
 
 Frames = NDArray[np.uint8]  # N x H x W x 3
 
@@ -71,6 +76,23 @@ def _rolled(frames: Frames) -> Frames:
     return np.stack([rolled(frame) for frame in frames])
 
 
+def _in_dark_room(frames: Frames) -> Frames:
+    """New noise in each frame: of few electrons, of reading them, of colour in coarse grains."""
+    rng = np.random.default_rng(9)
+    height, width = frames.shape[1:3]
+
+    def noisy(frame: Frames) -> Frames:
+        light = rng.poisson((frame / 255) ** GAMMA * ELECTRONS) / ELECTRONS
+        light = np.clip(light + rng.normal(0, READING, frame.shape), 0, None)
+        grains = rng.normal(0, COLOUR, (-(-height // GRAIN), -(-width // GRAIN), 3))
+        grains -= grains.mean(axis=2, keepdims=True)
+        colour = grains.repeat(GRAIN, axis=0).repeat(GRAIN, axis=1)[:height, :width]
+        levels = 255 * DARK * light ** (1 / GAMMA) + colour
+        return np.clip(np.round(levels), 0, 255).astype(np.uint8)
+
+    return np.stack([noisy(frame) for frame in frames])
+
+
 AS_IT_IS, MIRRORED, BACKWARD, CODED = "as it is", "mirrored", "backward", "coded anew"
 WAYS: dict[str, Callable[[Frames], Frames]] = {
     MIRRORED: lambda frames: frames[:, :, ::-1],
@@ -79,6 +101,7 @@ WAYS: dict[str, Callable[[Frames], Frames]] = {
     "moved": _moved,
     "rolled": _rolled,
     CODED: lambda frames: frames,
+    "dark room": _in_dark_room,
 }
 COLUMNS = {
     "within": ("hold 0", ".2f"),

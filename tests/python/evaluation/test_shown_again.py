@@ -57,3 +57,15 @@ def test_pictures_are_shown_as_the_way_says():
     assert (WAYS["moved"](frames)[:, 9:, 16:] == frames[:, :-9, :-16]).all()
     assert (WAYS[MIRRORED](frames)[0, 0, 0] == frames[0, 0, -1]).all()
     assert WAYS["half the size"](np.full_like(frames, 7)).max() == 7
+
+
+def test_the_noise_of_a_dark_room_is_new_in_each_frame():
+    """More of it where it is dark, as a camera has it."""
+    frames = np.full((2, 64, 96, 3), 60, np.uint8)
+    frames[:, :, 48:] = 200
+    first, second = WAYS["dark room"](frames).astype(float)
+    dark, bright = first[:, :48], first[:, 48:]
+    assert bright.mean() == pytest.approx(0.8 * 200, abs=8)
+    change = (second - first)[:, :48]
+    assert change.std() == pytest.approx(np.sqrt(2) * dark.std(), rel=0.1)
+    assert 5 < bright.std() < dark.std() < 40
