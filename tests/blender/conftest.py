@@ -19,6 +19,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 from fetched_footage import fetched_frames  # noqa: E402
+from people_attached import people_attached_once  # noqa: E402
 
 ADDONS = ROOT / "blender_addon"
 RIGIFY = ROOT / "sample_scenes/rigify_rig.py"
@@ -97,6 +98,12 @@ def heads_attached_once():
     before, foreign_face.KEPT = foreign_face.KEPT, 8
     yield
     foreign_face.KEPT = before
+
+
+@pytest.fixture(autouse=True, scope="session")
+def same_people():
+    with people_attached_once():
+        yield
 
 
 @pytest.fixture

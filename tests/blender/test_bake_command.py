@@ -275,6 +275,7 @@ def test_a_target_with_sliders_plays_the_muscles(performance, extension, tmp_pat
     assert len(extension("compat").curves(face).fcurves) >= 6  # it moves as the actor's head
 
 
+@pytest.mark.oldest_and_newest
 def test_a_target_plays_by_a_control_object(acted, tmp_path):
     performance, file = acted
     bpy.ops.mimetic.add_face()
@@ -295,6 +296,7 @@ def test_a_target_plays_by_a_control_object(acted, tmp_path):
         np.testing.assert_allclose(actual, performance.activations[frame - 1], atol=1e-5)
 
 
+@pytest.mark.newest
 def test_a_control_object_needs_muscles(acted, rig_file, tmp_path):
     out = tmp_path / "x.blend"
     ran = run_bake(acted[1], "--out", out, "--target", f"{rig_file}:rig", "--control-object")
@@ -302,6 +304,7 @@ def test_a_control_object_needs_muscles(acted, rig_file, tmp_path):
     assert not out.exists()
 
 
+@pytest.mark.newest
 @pytest.mark.parametrize(
     ("target", "more", "said"),
     [

@@ -95,6 +95,7 @@ def test_a_head_with_muscles_gets_arkits_names(scene, gazing, tmp_path):
     assert actual[:, unit_order().index("jawOpen")].max() > 0.3
 
 
+@pytest.mark.oldest_and_newest
 def test_shapes_of_other_spellings_get_arkits_and_what_lacks_is_said(scene, gazing, tmp_path):
     from mimetic.character import gltf
     from mimetic.retarget.unit_fit import unit_order, unit_values
@@ -248,6 +249,7 @@ def test_eyes_of_a_head_on_a_rig_go_with_its_bone(scene, gazing, tmp_path):
     assert np.abs(moved).max() > 0.01
 
 
+@pytest.mark.newest
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -5,11 +5,53 @@ from pathlib import Path
 
 import pytest
 
+HERE = Path(__file__).resolve().parent
 # fuzz and fetched_footage; evaluation
-sys.path[:0] = [str(Path(__file__).resolve().parents[n]) for n in (1, 2)]
+sys.path[:0] = [str(HERE.parents[n]) for n in (0, 1)]
 # A shell starts what runs in its background with Ctrl-C ignored, and so would the commands that
 # tests send one to
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+# What takes half a minute and more comes first, the longest before all: of two processors, neither
+# is to have one of these alone at the end
+LONGEST = (
+    *("batch/", "evaluation/test_real_clips.py", "evaluation/test_abuse.py"),
+    *("solve/test_pipeline.py", "solve/test_refining.py", "puppet/test_look_keeper.py"),
+    *("solve/test_before_the_face.py", "locate/test_occlusion.py", "fit/", "solve/", "puppet/"),
+)
+
+
+def pytest_collection_modifyitems(items):
+    def rank(item) -> int:
+        name = item.path.as_posix().removeprefix(f"{HERE.as_posix()}/")
+        return next((i for i, place in enumerate(LONGEST) if name.startswith(place)), len(LONGEST))
+
+    items.sort(key=rank)  # stable: a file's tests stay in their order
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """By file with `--dist loadfile`, and all of `batch` together: one batch serves its files."""
+    if config.getvalue("dist") != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class ByFile(LoadFileScheduling):
+        def _split_scope(self, nodeid):
+            file = super()._split_scope(nodeid)
+            folder = file.rpartition("/")[0]
+            return folder if folder.endswith("/batch") else file
+
+    return ByFile(config, log)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def same_people():
+    from people_attached import people_attached_once
+
+    with people_attached_once():
+        yield
 
 
 @pytest.fixture

@@ -6,8 +6,12 @@
 #include <mimetic/analyse/phases.hpp>
 #include <random>
 
+#include "../sanitized.hpp"
+
 namespace mimetic {
 namespace {
+
+using test::repeats;
 
 constexpr int kFrames = 72;
 const Eigen::VectorXd frames = Eigen::VectorXd::LinSpaced(kFrames, 1, kFrames);
@@ -33,8 +37,8 @@ PhaseShape held_smile() {
     return shape;
 }
 
-Eigen::VectorXd values_of(const PhaseShape& shape, double noise, unsigned seed) {
-    std::mt19937 random(seed);
+Eigen::VectorXd values_of(const PhaseShape& shape, double noise, int seed) {
+    std::mt19937 random(static_cast<unsigned>(seed));
     std::normal_distribution<double> normal(0, noise);
     return frames.unaryExpr([&](double frame) { return shape.value(frame) + normal(random); });
 }
@@ -46,7 +50,7 @@ std::vector<PhaseFit> fits_of(const Eigen::VectorXd& values, const PhaseOptions&
 }
 
 TEST(PhaseFit, AHoldWithADipAfterItsTopIsReleasedAtItsEnd) {
-    for (unsigned seed = 0; seed < 6; ++seed) {
+    for (int seed = 0; seed < repeats(6, 1); ++seed) {
         const Eigen::VectorXd curve =
             values_of(held_smile(), .006, seed) + .12 * bump(22, 3) - .1 * bump(32, 5) + .05 * bump(50, 6);
         const auto fits = fits_of(curve, by_pictures());
@@ -61,7 +65,7 @@ TEST(PhaseFit, WhatFallsInTheLastRowsIsReleasedWithinThem) {
     PhaseShape shape = held_smile();
     shape.hold = 51.5;
     shape.release_time = 1;
-    for (unsigned seed = 0; seed < 12; ++seed) {
+    for (int seed = 0; seed < repeats(12, 2); ++seed) {
         const Eigen::VectorXd curve = values_of(shape, .02, seed) + .12 * bump(22, 3) - .1 * bump(32, 5);
         const PhaseFit fit = fits_of(curve, by_pictures()).back();  // others are noise before it
         ASSERT_FALSE(fit.ends_after);
@@ -71,7 +75,7 @@ TEST(PhaseFit, WhatFallsInTheLastRowsIsReleasedWithinThem) {
 }
 
 TEST(PhaseFit, AFallInHeldFramesIsStillWithinTheRows) {
-    for (unsigned seed = 0; seed < 4; ++seed) {
+    for (int seed = 0; seed < repeats(4, 1); ++seed) {
         std::vector<bool> usable = all;
         for (int i = 50; i < kFrames; ++i) {
             usable[static_cast<std::size_t>(i)] = false;

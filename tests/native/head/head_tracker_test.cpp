@@ -4,6 +4,7 @@
 #include <limits>
 #include <mimetic/shared/error.hpp>
 
+#include "../sanitized.hpp"
 #include "head_scene.hpp"
 
 namespace mimetic {
@@ -11,6 +12,7 @@ namespace {
 
 using test::degrees_between;
 using test::HeadScene;
+using test::repeats;
 
 struct Score {
     double mean = 0;  // degrees
@@ -53,7 +55,7 @@ HeadShape shape_of(const HeadScene& scene, HeadModel model) {
 TEST(HeadTracker, FollowsAnEllipsoidThroughThreeHundredFramesWithoutDrift) {
     const HeadScene scene(true);
     // Five frames in six are skipped: 300 frames of the motion, in both directions of every axis.
-    const Score score = follow(scene, shape_of(scene, HeadModel::ellipsoid), 300, 6);
+    const Score score = follow(scene, shape_of(scene, HeadModel::ellipsoid), repeats(300, 60), 6);
     EXPECT_LT(score.mean, .8);
     EXPECT_LT(score.worst, 2);
     EXPECT_LT(score.last, 1);
@@ -71,7 +73,8 @@ TEST(HeadTracker, FindsTheDepthThatTheFirstFitHadWrong) {
     const auto reference = scene.render(HeadScene::motion(0));
     HeadTracker tracker(scene.camera, shape, scene.view(reference), HeadScene::motion(0));
     EXPECT_FALSE(tracker.relax());  // one view shows no depth
-    for (int frame = 5; frame < 150; frame += 5) {
+    const int step = 150 / repeats(30, 15);
+    for (int frame = step; frame < 150; frame += step) {
         tracker.advance(scene.view(scene.render(HeadScene::motion(frame), static_cast<unsigned>(frame))));
     }
     EXPECT_TRUE(tracker.relax());
@@ -80,9 +83,10 @@ TEST(HeadTracker, FindsTheDepthThatTheFirstFitHadWrong) {
 
 TEST(HeadTracker, PlaneIsWorseThanEllipsoidAndSurfaceIsBestOnAHeadThatIsNone) {
     const HeadScene scene(false);
-    const Score ellipsoid = follow(scene, shape_of(scene, HeadModel::ellipsoid), 90, 4);
-    const Score plane = follow(scene, shape_of(scene, HeadModel::plane), 90, 4);
-    const Score surface = follow(scene, shape_of(scene, HeadModel::surface), 90, 4);
+    const int end = repeats(90, 36);
+    const Score ellipsoid = follow(scene, shape_of(scene, HeadModel::ellipsoid), end, 4);
+    const Score plane = follow(scene, shape_of(scene, HeadModel::plane), end, 4);
+    const Score surface = follow(scene, shape_of(scene, HeadModel::surface), end, 4);
     EXPECT_LT(ellipsoid.mean, 3);
     EXPECT_LT(ellipsoid.mean, plane.mean / 3);
     EXPECT_LT(surface.mean, 1);
@@ -96,14 +100,15 @@ TEST(HeadTracker, ReferenceTexturesStopWhatFlowAloneAddsUp) {
     const HeadShape shape = shape_of(scene, HeadModel::surface);
     HeadOptions flow_alone;
     flow_alone.max_key_views = 0;
-    EXPECT_LT(3 * follow(scene, shape, 60, 1).worst, follow(scene, shape, 60, 1, flow_alone).worst);
+    const int end = repeats(60, 20);
+    EXPECT_LT(3 * follow(scene, shape, end, 1).worst, follow(scene, shape, end, 1, flow_alone).worst);
 }
 
 TEST(HeadTracker, FastPathFollowsAsWellWhereItIsTaken) {
     const HeadScene scene(false);
     HeadOptions fast;
     fast.fast = true;
-    const Score surface = follow(scene, shape_of(scene, HeadModel::surface), 60, 2, fast);
+    const Score surface = follow(scene, shape_of(scene, HeadModel::surface), repeats(60, 30), 2, fast);
     EXPECT_LT(surface.mean, 1);
     EXPECT_LT(surface.worst, 3);
     EXPECT_EQ(surface.num_held, 0);

@@ -294,8 +294,9 @@ def test_a_signal_keeps_the_finished_part(rendered_clip, fit, tmp_path, number, 
     fit.save(tmp_path / "fit.json")
     words = ("capture", long, "--fit", tmp_path / "fit.json", "--out", tmp_path / "out")
     process = subprocess.Popen(run(*words), stderr=subprocess.PIPE, text=True)
-    while "following the face" not in process.stderr.readline():
-        assert process.poll() is None
+    for _ in range(2):  # the first is shown before any frame is finished
+        while "following the face" not in process.stderr.readline():
+            assert process.poll() is None
     process.send_signal(number)
     _, errors = process.communicate(timeout=240)
     assert process.returncode == status, errors
