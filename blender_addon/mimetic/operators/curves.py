@@ -68,7 +68,8 @@ class OnCurves(Greyed):
 
 
 def _count(chosen) -> str:
-    return rpt_("1 curve") if len(chosen) == 1 else rpt_("{count} curves").format(count=len(chosen))
+    count = len(chosen)
+    return plural.one_or_many(count, rpt_("1 curve"), rpt_("{count} curves")).format(count=count)
 
 
 class MIMETIC_OT_reduce_keys(FewKeysOptions, OnCurves, Operator):
