@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <mimetic/locate/cascade.hpp>
 #include <mimetic/shared/error.hpp>
+#include <mutex>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
 #include <string>
@@ -13,6 +14,7 @@ namespace mimetic {
 
 struct CascadeDetector::Cascade {
     cv::CascadeClassifier classifier;
+    std::mutex detecting;  // OpenCV scales the picture in memory of the classifier: one at a time
 };
 
 CascadeDetector::CascadeDetector(const std::string& file) : cascade_(std::make_unique<Cascade>()) {
@@ -41,6 +43,7 @@ std::vector<CascadeHit> CascadeDetector::detect(ColorView image, double smallest
     std::vector<cv::Rect> boxes;
     std::vector<int> votes;
     // One neighbour, not OpenCV's usual three: the caller sets the threshold on the votes.
+    const std::lock_guard lock(cascade_->detecting);
     cascade_->classifier.detectMultiScale(gray, boxes, votes, 1.1, 1, 0, {least, least});
     std::vector<CascadeHit> hits;
     for (std::size_t i = 0; i < boxes.size(); ++i) {

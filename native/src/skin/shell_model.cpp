@@ -2,6 +2,7 @@
 #include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/skin/skin_dynamics.hpp>
+#include <mutex>
 #include <string>
 
 #include "check_mesh.hpp"
@@ -58,6 +59,7 @@ struct ShellModel::Parts {
     Columns consistent;
     Columns basis;  // 6N x unknowns
     Cholesky factor;
+    std::mutex solving;  // as SkinModel::Parts has it
 
     /// The part of a matrix that acts on what is not held.
     Columns free(const Columns& matrix) const { return basis.transpose() * matrix * basis; }
@@ -107,6 +109,7 @@ Eigen::MatrixXd ShellModel::solve(const Eigen::Ref<const Eigen::MatrixXd>& force
         throw InvalidInput("the shell can move freely: hold more of its unknowns");
     }
     const Eigen::MatrixXd loads = parts_->basis.transpose() * forces;
+    const std::lock_guard lock(parts_->solving);
     const Eigen::MatrixXd unknowns = parts_->factor.solve(loads);
     return parts_->basis * unknowns;
 }

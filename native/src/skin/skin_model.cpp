@@ -2,6 +2,7 @@
 #include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/skin/skin.hpp>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,7 @@ void SkinMaterials::check(Eigen::Index num_vertices) const {
 
 struct SkinModel::Parts : SkinMatrices {
     BlockCholesky factor;
+    std::mutex solving;  // CHOLMOD works in memory of the factor: threads may ask at once, and wait
 };
 
 SkinModel::SkinModel(PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
@@ -90,6 +92,7 @@ Eigen::MatrixXd SkinModel::solve_loads(const Eigen::Ref<const Eigen::MatrixXd>& 
     if (parts_->factor.info() != Eigen::Success) {
         throw InvalidInput("the skin can move freely: attach it to bone or hold some of its vertices");
     }
+    const std::lock_guard lock(parts_->solving);
     return parts_->factor.solve(loads);
 }
 

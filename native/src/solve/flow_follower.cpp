@@ -35,12 +35,13 @@ FlowFollower::PartFlow FlowFollower::flow_of_face(const cv::Mat1b& last, const c
         return part;
     }
     part.scale = std::min(1., kFaceHeight / static_cast<double>(high.y() - low.y()));
+    if (std::min(part.box.width, part.box.height) * part.scale < 24) {
+        return part;
+    }
     cv::Mat1b before, after;
     cv::resize(last(part.box), before, cv::Size(), part.scale, part.scale, cv::INTER_AREA);
     cv::resize(gray(part.box), after, cv::Size(), part.scale, part.scale, cv::INTER_AREA);
-    if (std::min(before.rows, before.cols) >= 24) {
-        flow_->calc(before, after, part.flow);
-    }
+    flow_->calc(before, after, part.flow);
     return part;
 }
 

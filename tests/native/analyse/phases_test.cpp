@@ -256,8 +256,10 @@ TEST(Phases, OfAnEventThatLastsAMinuteWhatIsAboutItsPeakIsFitted) {
     held.release_time = 10;
     Eigen::VectorXd curve = rows.unaryExpr([&](double frame) { return held.value(frame); });
     curve += .05 * (-((rows.array() - 1165) / 40).square()).exp().matrix();
+    PhaseOptions options;
+    options.num_draws = repeats(options.num_draws, 10);
     const auto fits = fit_phases(rows, curve, Eigen::VectorXd::Constant(count, .05),
-                                 std::vector<bool>(static_cast<std::size_t>(count), true));
+                                 std::vector<bool>(static_cast<std::size_t>(count), true), options);
     ASSERT_EQ(fits.size(), 1U);
     EXPECT_LT(rows[fits[0].first], 1165);
     EXPECT_GT(rows[fits[0].last], 1165);

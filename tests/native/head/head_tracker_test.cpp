@@ -73,7 +73,7 @@ TEST(HeadTracker, FindsTheDepthThatTheFirstFitHadWrong) {
     const auto reference = scene.render(HeadScene::motion(0));
     HeadTracker tracker(scene.camera, shape, scene.view(reference), HeadScene::motion(0));
     EXPECT_FALSE(tracker.relax());  // one view shows no depth
-    const int step = 150 / repeats(30, 15);
+    const int step = 150 / repeats(30, 10);
     for (int frame = step; frame < 150; frame += step) {
         tracker.advance(scene.view(scene.render(HeadScene::motion(frame), static_cast<unsigned>(frame))));
     }

@@ -8,6 +8,8 @@
 #include <mimetic/shared/error.hpp>
 #include <random>
 
+#include "../sanitized.hpp"
+
 namespace mimetic {
 namespace {
 
@@ -33,8 +35,12 @@ struct Image {
 
     /// Two dark eyes and a mouth, in a shade that falls off to one side.
     void put(const Eigen::Vector2d& center, double width, double roll, double strength) {
-        for (int y = 0; y < rows; ++y) {
-            for (int x = 0; x < cols; ++x) {
+        const Eigen::Vector2i reach = Eigen::Vector2i::Constant(static_cast<int>(0.8 * width));
+        const Eigen::Vector2i from = (center.cast<int>() - reach).cwiseMax(0),
+                              to = (center.cast<int>() + reach)
+                                       .cwiseMin(Eigen::Vector2i(cols, rows) - Eigen::Vector2i::Ones());
+        for (int y = from.y(); y <= to.y(); ++y) {
+            for (int x = from.x(); x <= to.x(); ++x) {
                 const Eigen::Vector2d p =
                     Eigen::Rotation2Dd(-roll) * (Eigen::Vector2d(x, y) - center) / width;
                 const double dark =
@@ -52,19 +58,19 @@ Eigen::VectorXd row_of(const MatrixRows& window) {
 
 /// Windows of drawn faces cut at a place of the face, in its widths, with a little scatter.
 MatrixRows windows(const Eigen::Vector2d& at, double width, int cols, int rows, double ipd_px, double away) {
-    constexpr int kCount = 120;
+    constexpr int kCount = test::repeats(120, 50), kMiddle = 60;
     std::mt19937 random(11);
     std::normal_distribution<double> normal;
     std::uniform_real_distribution<double> angle(0, 6.28);
     MatrixRows made(kCount, cols * rows);
     for (int i = 0; i < kCount; ++i) {
-        Image image(160, 160, static_cast<unsigned>(i));
-        image.put({80, 80}, kWidth * std::exp(0.06 * normal(random)), 0.08 * normal(random),
+        Image image(2 * kMiddle, 2 * kMiddle, static_cast<unsigned>(i));
+        image.put({kMiddle, kMiddle}, kWidth * std::exp(0.06 * normal(random)), 0.08 * normal(random),
                   70 + 15 * normal(random));
         const double turn = angle(random);
         const Eigen::Vector2d off = away * Eigen::Vector2d(std::cos(turn), std::sin(turn));
         const Eigen::Vector2d shake(normal(random), normal(random));
-        const Eigen::Vector2d center = Eigen::Vector2d(80, 80) + kWidth * (at + off + 0.01 * shake);
+        const Eigen::Vector2d center = Eigen::Vector2d(kMiddle, kMiddle) + kWidth * (at + off + 0.01 * shake);
         made.row(i) = row_of(flat_window(image.view(), center, kWidth * width, 0, cols, rows, ipd_px));
     }
     return made;

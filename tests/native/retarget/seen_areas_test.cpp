@@ -4,6 +4,8 @@
 #include <mimetic/retarget/seen_areas.hpp>
 #include <mimetic/shared/error.hpp>
 
+#include "../sanitized.hpp"
+
 namespace mimetic {
 namespace {
 
@@ -49,6 +51,9 @@ TEST(SeenAreas, WhatLiesWithinCountsAHundredth) {
                           seen = seen_areas(points, starts, corners);
     EXPECT_TRUE(seen.head(8).isApprox(whole.head(8), 1e-12));
     EXPECT_TRUE(seen.tail(8).isApprox(.01 * whole.tail(8), 1e-12));
+    if (test::kIsSanitized) {
+        return;  // the same once more, which takes them half a minute
+    }
     // Without the lid, what is within is seen
     starts.erase(starts.begin() + 1);
     corners.erase(corners.begin() + 4, corners.begin() + 8);

@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include "../sanitized.hpp"
 #include "face_scene.hpp"
 
 namespace mimetic {
 namespace {
 
 using test::FaceScene;
+using test::repeats;
 
 constexpr double kAside = .006;  // metres that the chin moves aside at the value 1
 
@@ -74,7 +76,7 @@ protected:
 
 TEST_F(DepthErrorTest, AChinThatLiesDeeperIsNoMovementOfATurnedHead) {
     std::vector<double> angles;
-    for (int t = 0; t <= 20; ++t) {
+    for (int t = 0; t <= repeats(20, 5); ++t) {
         angles.push_back(.4 * std::sin(.314 * t));
     }
     const std::vector<double> still(angles.size(), 0);
@@ -91,13 +93,15 @@ TEST_F(DepthErrorTest, AChinThatLiesDeeperIsNoMovementOfATurnedHead) {
 
 TEST_F(DepthErrorTest, AMovementIsReadInFullFromTheFrontAndAtAHeadThatTurnedBefore) {
     std::vector<double> angles, values;
-    for (int t = 0; t <= 51; ++t) {
+    for (int t = 0; t <= repeats(51, 6); ++t) {
         angles.push_back(t < 12 ? 0 : .35 * std::sin(.2 * (t - 12)));
         values.push_back(t < 12 ? .7 * std::sin(.26 * t) : t < 42 ? 0 : .6);
     }
     const std::vector<double> read = followed(allowing(), angles, values);
     EXPECT_NEAR(read[6], values[6], .12);
-    EXPECT_NEAR(read[49], values[49], .15);
+    if (!test::kIsSanitized) {
+        EXPECT_NEAR(read[49], values[49], .15);
+    }
 }
 
 TEST_F(DepthErrorTest, TheErrorGrowsWithTheTangentOfTheTurnAndFramesNarrowIt) {
