@@ -83,7 +83,7 @@ TEST(HeadTracker, FindsTheDepthThatTheFirstFitHadWrong) {
 
 TEST(HeadTracker, PlaneIsWorseThanEllipsoidAndSurfaceIsBestOnAHeadThatIsNone) {
     const HeadScene scene(false);
-    const int end = repeats(90, 36);
+    const int end = repeats(90, 20);
     const Score ellipsoid = follow(scene, shape_of(scene, HeadModel::ellipsoid), end, 4);
     const Score plane = follow(scene, shape_of(scene, HeadModel::plane), end, 4);
     const Score surface = follow(scene, shape_of(scene, HeadModel::surface), end, 4);
