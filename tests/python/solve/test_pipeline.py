@@ -127,7 +127,7 @@ def test_frames_backward_are_the_same_frames(rendered_clip):
 
 
 def test_no_face_is_said_with_what_to_do(tmp_path):
-    clip = make_clip(tmp_path / "bars.mp4", size="320x240", frames=20, source="smptebars")
+    clip = make_clip(tmp_path / "bars.mp4", size="320x240", frames=5, source="smptebars")
     with pytest.raises(NoFace, match=r"no frontal face.*--frames"):
         capture(clip)
 
