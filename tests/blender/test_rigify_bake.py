@@ -25,42 +25,32 @@ def few_frames(acted, tmp_path_factory) -> str:
 
 
 def test_the_face_moves_as_before_and_the_take_stays(extension, rigify_file, few_frames):
-    curves_in = extension("compat").curves_in
-    rig, take, before, keyed = playing(rigify_file, few_frames, curves_in)
+    bpy.ops.wm.open_mainfile(filepath=str(rigify_file))
+    rig = bpy.data.objects["rig"]
+    bpy.context.scene.render.fps = 25
+    bpy.ops.mimetic.load_performance(filepath=few_frames)
+    bpy.context.view_layer.objects.active = rig
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    take, curves = rig.animation_data.action, extension("compat").curves_in
+    before, keyed = shown(), keys_of(curves(take))
+    moved = [np.linalg.norm(now - before[0], axis=1).max() for now in before]
+    assert max(moved) > 0.1
+    select_bones(rig, {path.split('"')[1] for path, _ in keyed if path.startswith("pose.bones")})
+
     bake_action()
     assert rig.animation_data.action != take
     assert farthest(before) < ROUNDED
-    assert len(bpy.data.actions) == 2
-    assert keys_of(curves_in(take)) == keyed
+    # What the guide warns of: constraints that stay act on keys that hold what they do
     play(rig, take)
-
-
-def test_visual_keys_move_as_before_without_the_constraints(extension, rigify, few_frames):
-    """What the guide warns of: constraints that stay act on keys that hold what they do."""
-    rig, take, before, _ = playing(rigify(), few_frames, extension("compat").curves_in)
     bake_action(visual_keying=True)
     assert farthest(before) > DOUBLED
     play(rig, take)
     bake_action(visual_keying=True, clear_constraints=True)
     assert farthest(before) < ROUNDED
+
+    assert len(bpy.data.actions) == 4  # the take, and one of each bake
+    assert keys_of(curves(take)) == keyed
     play(rig, take)
-
-
-def playing(character, performance: str, curves_in) -> tuple:
-    """The character's rig with its keyed bones selected, its take, the face's points as it plays,
-    and the take's keys."""
-    bpy.ops.wm.open_mainfile(filepath=str(character))
-    rig = bpy.data.objects["rig"]
-    bpy.context.scene.render.fps = 25
-    bpy.ops.mimetic.load_performance(filepath=performance)
-    bpy.context.view_layer.objects.active = rig
-    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
-    take = rig.animation_data.action
-    before, keyed = shown(), keys_of(curves_in(take))
-    moved = [np.linalg.norm(now - before[0], axis=1).max() for now in before]
-    assert max(moved) > 0.1
-    select_bones(rig, {path.split('"')[1] for path, _ in keyed if path.startswith("pose.bones")})
-    return rig, take, before, keyed
 
 
 def play(rig, take) -> None:
