@@ -78,17 +78,20 @@ void bind_flow(py::module_& m) {
           "returns: FlowField; raises InvalidInput on images that do not match");
     m.def(
         "fine_contrast",
-        [](const ImageArray& image, const Camera& camera, const Points& points, int most_height) {
+        [](const ImageArray& image, const ImageArray& next, const Camera& camera, const Points& points,
+           int most_height) {
             const ColorView view = view_image<3>(image, "the frame");
+            const ColorView view_next = view_image<3>(next, "the next frame");
             const py::gil_scoped_release unlocked;
-            return fine_contrast(view, camera, points, most_height);
+            return fine_contrast(view, view_next, camera, points, most_height);
         },
-        py::arg("image").noconvert(), "camera"_a, "points_in_camera"_a, "most_height"_a,
-        "How much of a face's contrast is of the shortest waves, 2 pixels long along both axes.\n\n"
-        "image: (H, W, 3) uint8; points_in_camera: K x 3, metres, of the face; most_height: pixels, to\n"
-        "which a larger face is scaled down first. Returns the median of its blocks of 8 x 8 pixels, a "
-        "share\n"
-        "of their standard deviation. Raises InvalidInput.");
+        py::arg("image").noconvert(), py::arg("next").noconvert(), "camera"_a, "points_in_camera"_a,
+        "most_height"_a,
+        "How much of a face's contrast is of the shortest waves, 2 pixels long along both axes, and stays\n"
+        "on the face from a frame to the next.\n\n"
+        "image, next: (H, W, 3) uint8; points_in_camera: K x 3, metres, of the face in the first;\n"
+        "most_height: pixels, to which a larger face is scaled down first. Returns the median of its\n"
+        "blocks of 8 x 8 pixels, a share of their standard deviation. Raises InvalidInput.");
     py::class_<DissolveWatch>(m, "DissolveWatch",
                               "Detects where one scene dissolves into another; see dissolve.hpp.")
         .def(py::init<>())

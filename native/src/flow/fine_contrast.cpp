@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mimetic/flow/fine_contrast.hpp>
+#include <mimetic/flow/flow.hpp>
 #include <mimetic/shared/checks.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -44,50 +45,87 @@ cv::Rect middle_of(const Extent& extent, const ColorView& image) {
     return {begin.x(), begin.y(), end.x() - begin.x(), end.y() - begin.y()};
 }
 
-float fine_share(const cv::Mat1f& block) {
-    float square = 0;
+/// The grey levels there, a face larger than asked for scaled down.
+cv::Mat1f gray_of(const ColorView& image, const cv::Rect& part, double scale) {
+    cv::Mat color;
+    as_matrix(image)(part).convertTo(color, CV_32F);
+    cv::Mat1f gray;
+    cv::cvtColor(color, gray, cv::COLOR_RGB2GRAY);
+    if (scale < 1) {
+        cv::resize(gray, gray, {}, scale, scale, cv::INTER_AREA);
+    }
+    return gray;
+}
+
+/// What `next` shows where the flow leads to from each pixel of `gray`.
+cv::Mat1f brought_back(const cv::Mat1f& next, const cv::Mat1f& gray) {
+    cv::Mat1b from;
+    cv::Mat1b to;
+    gray.convertTo(from, CV_8U);
+    next.convertTo(to, CV_8U);
+    FlowOptions options;  // the probabilistic method: DIS does no better here, and takes twice the time
+    options.judges_noise = false;
+    const FlowField field = compute_flow({from.data, from.rows, from.cols, from.cols},
+                                         {to.data, to.rows, to.cols, to.cols}, options);
+    cv::Mat2f targets(gray.size());
+    for (int y = 0; y < gray.rows; ++y) {
+        for (int x = 0; x < gray.cols; ++x) {
+            const float* flow = field.flow_at(y, x);
+            targets(y, x) = {static_cast<float>(x) + flow[0], static_cast<float>(y) + flow[1]};
+        }
+    }
+    cv::Mat1f back;  // shorter kernels leave little of the shortest waves
+    cv::remap(next, back, targets, cv::noArray(), cv::INTER_LANCZOS4, cv::BORDER_REPLICATE);
+    return back;
+}
+
+/// The amplitude of the shortest waves along both axes in the square of 2 x 2 pixels at (y, x).
+float fine_at(const cv::Mat1f& gray, int y, int x) {
+    return (gray(y, x) - gray(y, x + 1) - gray(y + 1, x) + gray(y + 1, x + 1)) / 2;
+}
+
+/// Of a block's variance, what both pictures have of the shortest waves: below 0 by chance, in noise.
+float fine_share(const cv::Mat1f& block, const cv::Mat1f& again) {
+    float product = 0;
     for (int y = 0; y < kBlock; y += 2) {
         for (int x = 0; x < kBlock; x += 2) {
-            const float fine = (block(y, x) - block(y, x + 1) - block(y + 1, x) + block(y + 1, x + 1)) / 2;
-            square += fine * fine;
+            product += fine_at(block, y, x) * fine_at(again, y, x);
         }
     }
     cv::Scalar mean, deviation;
     cv::meanStdDev(block, mean, deviation);
     constexpr float kNumFine = kBlock * kBlock / 4;
-    return std::sqrt(square / kNumFine) / std::max(kLeastDeviation, static_cast<float>(deviation[0]));
+    const float contrast = std::max(kLeastDeviation, static_cast<float>(deviation[0]));
+    return product / kNumFine / (contrast * contrast);
 }
 
 }  // namespace
 
-double fine_contrast(const ColorView& image, const Camera& camera, PointsIn points_in_camera,
-                     int most_height) {
+double fine_contrast(const ColorView& image, const ColorView& next, const Camera& camera,
+                     PointsIn points_in_camera, int most_height) {
     camera.check();
-    require(image.cols == camera.width && image.rows == camera.height,
-            "the image has not the size that the camera has");
+    for (const ColorView& one : {image, next}) {
+        require(one.cols == camera.width && one.rows == camera.height,
+                "the image has not the size that the camera has");
+    }
     require(points_in_camera.rows() > 0, "fine contrast of a face needs points of it");
     check_range("most_height", most_height, 1, 1 << 14);
     const Extent extent = extent_of(camera, points_in_camera);
     const cv::Rect middle = middle_of(extent, image);
     const double scale = std::min(1., most_height / (extent.high.y() - extent.low.y()));
-    if (std::min(middle.width, middle.height) * scale < kBlock) {
+    if (std::min(middle.width, middle.height) * scale < kSmallestImage) {
         return 0;
     }
-    const cv::Mat color = as_matrix(image);
-    cv::Mat part;
-    color(middle).convertTo(part, CV_32F);
-    cv::Mat1f gray;
-    cv::cvtColor(part, gray, cv::COLOR_RGB2GRAY);
-    if (scale < 1) {
-        cv::resize(gray, gray, {}, scale, scale, cv::INTER_AREA);
-    }
+    const cv::Mat1f gray = gray_of(image, middle, scale);
+    const cv::Mat1f again = brought_back(gray_of(next, middle, scale), gray);
     std::vector<float> shares;
     for (int y = 0; y + kBlock <= gray.rows; y += kBlock) {
         for (int x = 0; x + kBlock <= gray.cols; x += kBlock) {
-            shares.push_back(fine_share(gray({x, y, kBlock, kBlock})));
+            const cv::Rect block(x, y, kBlock, kBlock);
+            shares.push_back(fine_share(gray(block), again(block)));
         }
     }
-    return upper_median(shares);
+    return std::sqrt(std::max(0.F, upper_median(shares)));
 }
 
 }  // namespace mimetic

@@ -27,7 +27,7 @@ protected:
         return points / kFocal;
     }
 
-    static double contrast(const Grey& grey, const Points& points, int most_height = 300) {
+    static std::vector<std::uint8_t> drawn(const Grey& grey) {
         std::vector<std::uint8_t> pixels;
         for (int y = 0; y < kRows; ++y) {
             for (int x = 0; x < kCols; ++x) {
@@ -35,21 +35,48 @@ protected:
                 pixels.insert(pixels.end(), 3, static_cast<std::uint8_t>(value));
             }
         }
-        return fine_contrast({pixels.data(), kRows, kCols, 3 * kCols}, kCamera, points, most_height);
+        return pixels;
     }
 
-    static Grey noise(double deviation) {
-        return [deviation, random = std::mt19937(7)](int, int) mutable {
+    static double contrast(const Grey& grey, const Grey& next, const Points& points, int most_height = 300) {
+        const auto first = drawn(grey);
+        const auto second = drawn(next);
+        return fine_contrast(view(first), view(second), kCamera, points, most_height);
+    }
+
+    /// Of a picture that stays as it is.
+    static double contrast(const Grey& grey, const Points& points, int most_height = 300) {
+        const auto pixels = drawn(grey);
+        return fine_contrast(view(pixels), view(pixels), kCamera, points, most_height);
+    }
+
+    static ColorView view(const std::vector<std::uint8_t>& pixels) {
+        return {pixels.data(), kRows, kCols, 3 * kCols};
+    }
+
+    static Grey noise(double deviation, unsigned seed = 7) {
+        return [deviation, random = std::mt19937(seed)](int, int) mutable {
             return 128 + std::normal_distribution<>(0, deviation)(random);
         };
     }
 
-    /// Waves along both axes, this many pixels long.
-    static Grey waves(double length, double amplitude) {
+    /// Waves along both axes, this many pixels long, moved by as many to the left.
+    static Grey waves(double length, double amplitude, double moved = 0) {
         return [=](int x, int y) {
             const double turn = 2 * std::numbers::pi / length;
-            return 128 + amplitude * (std::sin(turn * (x + .3)) * std::sin(turn * (y + .7)));
+            return 128 + amplitude * (std::sin(turn * (x + .3 + moved)) * std::sin(turn * (y + .7)));
         };
+    }
+
+    static Grey sum(Grey one, Grey other) {
+        return [one = std::move(one), other = std::move(other)](int x, int y) {
+            return one(x, y) + other(x, y) - 128;
+        };
+    }
+
+    /// As a face's: of long waves and of short ones.
+    static Grey texture(double moved = 0) {
+        return sum(waves(37, 50, moved), sum(waves(3.6, 12, moved), waves(11, 20, moved)));
     }
 };
 
@@ -68,11 +95,24 @@ TEST_F(FineContrastTest, GrowsWithWhatIsFineAmongLongWaves) {
     const Grey smooth = waves(30, 60);
     double before = contrast(smooth, face(100, 140));
     for (const double deviation : {5., 12., 30.}) {
-        const double now =
-            contrast([&, fine = noise(deviation)](int x, int y) { return smooth(x, y) + fine(x, y) - 128; },
-                     face(100, 140));
+        const double now = contrast(sum(smooth, noise(deviation)), face(100, 140));
         EXPECT_GT(now, 1.3 * before);
         before = now;
+    }
+}
+
+TEST_F(FineContrastTest, NoiseThatIsNewInEachFrameHasNone) {
+    EXPECT_LT(contrast(noise(20), noise(20, 8), face(100, 140)), .2);
+    const double bare = contrast(texture(), face(100, 140));
+    const double noisy = contrast(sum(texture(), noise(6)), sum(texture(), noise(6, 8)), face(100, 140));
+    EXPECT_GT(bare, .2);
+    EXPECT_NEAR(noisy, bare, .3 * bare);
+}
+
+TEST_F(FineContrastTest, WhatIsFineCountsWhereItMoves) {
+    const double still = contrast(texture(), face(100, 140));
+    for (const double moved : {.25, .5, 1.7, 6.3}) {
+        EXPECT_GT(contrast(texture(), texture(moved), face(100, 140)), .75 * still) << moved;
     }
 }
 
@@ -106,7 +146,10 @@ TEST_F(FineContrastTest, SaysWhatIsWrong) {
     EXPECT_THROW(contrast(noise(20), Points(0, 3)), InvalidInput);
     EXPECT_THROW(contrast(noise(20), face(100, 140), 0), InvalidInput);
     const std::vector<std::uint8_t> small(std::size_t{3} * 20 * 20);
-    EXPECT_THROW(fine_contrast({small.data(), 20, 20, 60}, kCamera, face(100, 140), 300), InvalidInput);
+    const ColorView other{small.data(), 20, 20, 60};
+    const auto pixels = drawn(noise(20));
+    EXPECT_THROW(fine_contrast(other, view(pixels), kCamera, face(100, 140), 300), InvalidInput);
+    EXPECT_THROW(fine_contrast(view(pixels), other, kCamera, face(100, 140), 300), InvalidInput);
 }
 
 }  // namespace

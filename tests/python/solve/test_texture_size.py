@@ -51,6 +51,16 @@ def test_nor_is_one_out_of_focus(rendered_clip, fit, tmp_path):
     assert texture_of(path, fit) == COARSE
 
 
+@pytest.mark.parametrize("shown", ["null", "framestep=3,fps=30"])
+def test_nor_does_noise_count_as_fine(rendered_clip, fit, tmp_path, shown):
+    """New in each frame, or in each that is not shown again."""
+    path = another(
+        *(rendered_clip, tmp_path / "dark.mp4", "-crf", 4),
+        filters=f"gblur=1.5,noise=alls=40:allf=t,{shown}",
+    )
+    assert texture_of(path, fit) == COARSE
+
+
 def test_exposure_does_not_matter(rendered_clip, fit, tmp_path):
     as_it_is = of_footage(fine_contrast, rendered_clip.footage, fit)
     darker = another(
@@ -78,7 +88,7 @@ def test_the_last_frame_is_judged_alone(rendered_clip, fit, tmp_path):
     points = measured @ fit.head_pose[:3, :3].T + fit.head_pose[:3, 3]
     image = Footage(path).read(fit.frame)
     assert of_footage(fine_contrast, path, fit) == pytest.approx(
-        _core.fine_contrast(image, fit.camera, points, FINE[0])
+        _core.fine_contrast(image, image, fit.camera, points, FINE[0])
     )
 
 
@@ -90,12 +100,15 @@ def test_a_variant_changes_what_it_names_alone(rendered_clip, fit):
 
 def test_wrong_input_is_refused(fit):
     image = np.zeros((fit.image_size[1], fit.image_size[0], 3), np.uint8)
+    small = np.zeros((48, 48, 3), np.uint8)
     in_front = np.array([[0, 0, 1.0], [0.1, 0.1, 1]])
     with pytest.raises(InvalidInput, match="point 0 of the face is not in front"):
-        _core.fine_contrast(image, fit.camera, -in_front, 300)
+        _core.fine_contrast(image, image, fit.camera, -in_front, 300)
     with pytest.raises(InvalidInput, match="size that the camera has"):
-        _core.fine_contrast(np.zeros((48, 48, 3), np.uint8), fit.camera, in_front, 300)
+        _core.fine_contrast(small, image, fit.camera, in_front, 300)
+    with pytest.raises(InvalidInput, match="size that the camera has"):
+        _core.fine_contrast(image, small, fit.camera, in_front, 300)
     with pytest.raises(InvalidInput, match="most_height"):
-        _core.fine_contrast(image, fit.camera, in_front, 0)
+        _core.fine_contrast(image, image, fit.camera, in_front, 0)
     with pytest.raises(TypeError):
-        _core.fine_contrast(image[..., 0].astype(float), fit.camera, in_front, 300)
+        _core.fine_contrast(image, image[..., 0].astype(float), fit.camera, in_front, 300)

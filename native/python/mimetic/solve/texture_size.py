@@ -2,7 +2,7 @@
 """How finely footage is measured: as its face holds what is fine.
 
 Where a codec or a lens has left nothing of what is fine, a finer texture follows the codec: blocks
-that stay where they were, and ghosts.
+that stay where they were, and ghosts. Where a sensor has little light it follows noise.
 """
 
 from __future__ import annotations
@@ -26,8 +26,10 @@ Image = NDArray[np.uint8]
 # Pixels of the face in the reference texture, and between samples; docs/measured/evaluation.md,
 # "How finely a capture measures"
 COARSE, FINE = (200, 4), (300, 6)
-LEAST_FINE = 0.165  # contrast of the face from which on the finer texture is taken
+LEAST_FINE = 0.125  # contrast of the face from which on the finer texture is taken
 LOOKED_AT = 24  # frames: what is coded anew, and what is made of frames before
+# Of how much the pictures change on the mean: one that changes less is shown again, with its noise
+SHOWN_AGAIN = 1 / 3
 
 
 def tracker_options(
@@ -55,12 +57,29 @@ def fine_contrast(
     neutral: NDArray[np.float64],
     template: FaceTemplate,
 ) -> float:
-    """The mean of `_core.fine_contrast` over the fit's frame and those after it, of its scene."""
+    """The mean of `_core.fine_contrast` over the fit's frame and those after it, of its scene.
+
+    Pictures that are shown again do not count; a frame without any after it is compared with
+    itself.
+    """
     measured = neutral[: template.num_skin_vertices][~template.in_region(*UNMEASURED)]
     pose = np.asarray(fit.head_pose)
     face = measured @ pose[:3, :3].T + pose[:3, 3]
     last = min(fit.frame + LOOKED_AT, footage.num_frames)
     after = footage.frames(fit.frame + 1, last) if fit.frame < last else iter(())
-    of_scene = of_one_scene(reference, after, FacePlace(fit).at(pose))
-    images = itertools.chain([(fit.frame, reference)], of_scene)
-    return fmean(_core.fine_contrast(image, fit.camera, face, FINE[0]) for _, image in images)
+    of_scene = (image for _, image in of_one_scene(reference, after, FacePlace(fit).at(pose)))
+    pairs = itertools.pairwise(itertools.chain([reference], of_scene))
+    seen = [
+        (_core.fine_contrast(one, following, fit.camera, face, FINE[0]), _change(one, following))
+        for one, following in pairs
+    ]
+    if not seen:
+        return _core.fine_contrast(reference, reference, fit.camera, face, FINE[0])
+    least = SHOWN_AGAIN * fmean(change for _, change in seen)
+    return fmean(contrast for contrast, change in seen if change >= least)
+
+
+def _change(one: Image, following: Image) -> float:
+    """Of some of the pixels, noise and all: mean absolute difference, grey levels."""
+    few = slice(None, None, 8), slice(None, None, 8)
+    return float(np.abs(following[few].astype(np.int16) - one[few]).mean())
