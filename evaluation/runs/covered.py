@@ -5,7 +5,8 @@
 
 The first part of each fetched clip is captured as it is, then with glasses whose round rims are
 5 mm thick, or 2 mm, a microphone's foam ball that stands still in the picture before chin and
-lower lip, and a hand that covers the mouth in the middle third. Each is captured from the start:
+lower lip, a hand that covers the mouth in the middle third, and a caption that stands still in the
+picture before mouth and chin. Each is captured from the start:
 face, rest and all. Where the face is covered nothing can be seen of it, so what differs there is
 no error as long as the error bars say so; that is what is counted: the 95 % intervals of the
 difference that hold 0, of the muscles and articulators that are beyond .1 in one of the two. Then
@@ -26,6 +27,7 @@ from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.score.scores import project
 from mimetic.template.face_template import load_template
 from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
 
 from evaluation.runs import shown_again
 from evaluation.runs.head_score import degrees_between
@@ -52,6 +54,8 @@ FINGERS = tuple(
     )
 )
 SEAM, SEAM_LIGHT = 0.0012, 0.66  # metres about each finger, share of the cheek's light
+WORDS = "I never said that you\nwould have to wait here"
+LETTERS, LINES_DOWN = 0.016, 0.02  # metres: their size, and how far below the mouth they begin
 PASSING = 0.1  # of the clip: how long the hand moves before and after the middle third
 PAST_EDGE = 0.16  # metres: where its middle is as far beyond the picture, the hand is not seen
 
@@ -121,6 +125,28 @@ def hand(frames: Frames, wearer: Wearer) -> Frames:
     return covered
 
 
+def caption(frames: Frames, wearer: Wearer) -> Frames:
+    """Two white lines with black outlines, where mouth and chin are in the middle frame."""
+    below = _mouth(wearer) - np.array((0, LINES_DOWN, 0))
+    place, scale = _seen(below, wearer, len(frames) // 2)
+    size = LETTERS * scale
+    covered = frames.copy()
+    for i, frame in enumerate(frames):
+        image = Image.fromarray(frame)
+        ImageDraw.Draw(image).multiline_text(
+            tuple(place),
+            WORDS,
+            fill="white",
+            font=ImageFont.load_default(size),
+            anchor="mm",
+            align="center",
+            stroke_width=max(1, round(size / 9)),
+            stroke_fill="black",
+        )
+        covered[i] = np.asarray(image)
+    return covered
+
+
 def _cheek(image: NDArray[np.uint8], wearer: Wearer) -> NDArray[np.float64]:
     """The colour (3,) of the right cheek in the first frame."""
     corner = wearer.neutral_vertices[load_template().landmark("mouth_corner.R")]
@@ -134,6 +160,7 @@ WAYS: dict[str, Callable[[Frames, Wearer], Frames]] = {
     "thin glasses": lambda frames, wearer: with_rims(frames, wearer, THIN_RIM, finer=FINER),
     "microphone": microphone,
     "hand": hand,
+    "caption": caption,
 }
 COLUMNS = shown_again.COLUMNS | {
     "held": ("frames held", ".0f"),

@@ -6,6 +6,7 @@ from mimetic import _core
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.rest_choice import RestChoice
+from mimetic.fit.still_cover import StillCover
 from mimetic.muscles.calibration import Calibration
 
 
@@ -49,5 +50,6 @@ def make_fit(**changes):
             {"zygomaticus_major.R": 1.25},
         ),
         "rest": RestChoice("usual", 16, 11),
+        "still_cover": StillCover((20.5, 180.0), 4.25, ("..##", "###.")),
     }
     return FaceFit(**(values | changes))

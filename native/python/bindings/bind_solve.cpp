@@ -100,9 +100,11 @@ void bind_model(py::module_& m) {
         .def(py::init<>())
         .def(py::init([](std::vector<FeatureOpening> openings,
                          const std::variant<const FeatureNetworks*, const EyeRegressor*>& source,
-                         const Camera& camera, const Points& anchors, const OcclusionNetwork& occlusion) {
+                         const Camera& camera, const Points& anchors, const OcclusionNetwork& occlusion,
+                         const std::optional<StillCover>& still_cover) {
                  FeatureInputs inputs{std::move(openings), {}};
                  inputs.occlusion = see_occlusion(occlusion, camera);
+                 inputs.still_cover = still_cover.value_or(StillCover{});
                  if (const auto* networks = std::get_if<const FeatureNetworks*>(&source)) {
                      inputs.source = see_by_networks(**networks, camera, anchors);
                  } else {
@@ -112,11 +114,13 @@ void bind_model(py::module_& m) {
                  return inputs;
              }),
              "openings"_a, py::arg("source").none(false), "camera"_a, "anchors"_a, "occlusion"_a,
-             py::keep_alive<1, 3>(), py::keep_alive<1, 6>(),
+             "still_cover"_a = py::none(), py::keep_alive<1, 3>(), py::keep_alive<1, 6>(),
              "openings: left eye, right eye, mouth; source: FeatureNetworks, or EyeRegressor for the eyes\n"
              "alone; anchors: (6, 3), as feature_crops has them; occlusion: an OcclusionNetwork, without "
              "which\n"
-             "nothing is taken to be before the face.");
+             "nothing is taken to be before the face; still_cover: StillCover, what stands still in the "
+             "picture\n"
+             "in all frames, or None.");
     py::class_<StageTimes>(m, "StageTimes", "Milliseconds of one frame's stages.")
         .def_readonly("predict_ms", &StageTimes::predict_ms)
         .def_readonly("features_ms", &StageTimes::features_ms)

@@ -18,6 +18,7 @@ void bind_locate_eigenspace(pybind11::module_& m);
 void bind_locate(pybind11::module_& m);
 void bind_locate_landmarks(pybind11::module_& m);
 void bind_locate_networks(pybind11::module_& m);
+void bind_locate_still_cover(pybind11::module_& m);
 void bind_fit(pybind11::module_& m);
 void bind_fit_face_shape(pybind11::module_& m);
 void bind_skin(pybind11::module_& m);
@@ -86,6 +87,7 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_locate(m);
     bindings::bind_locate_landmarks(m);
     bindings::bind_locate_networks(m);
+    bindings::bind_locate_still_cover(m);
     bindings::bind_fit(m);
     bindings::bind_fit_face_shape(m);
     bindings::bind_skin(m);

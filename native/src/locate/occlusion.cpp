@@ -38,6 +38,12 @@ double Occlusion::at(const Eigen::Vector2d& pixel) const {
            down * ((1 - along) * cells(i + 1, j) + along * cells(i + 1, j + 1));
 }
 
+Eigen::Vector2d Occlusion::pixel_of(double row, double column) const {
+    const Eigen::Vector2d off((column + .5) / static_cast<double>(cells.cols()) - .5,
+                              (row + .5) / static_cast<double>(cells.rows()) - .5);
+    return square.center + square.side * (Eigen::Rotation2Dd(square.roll) * off);
+}
+
 double Occlusion::share(double probability) const {
     double hidden = 0, of_face = 0;
     for (Eigen::Index row = 0; row < cells.rows(); ++row) {

@@ -24,14 +24,34 @@ Eigen::MatrixXf grown(const Eigen::MatrixXf& cells) {
     return largest;
 }
 
+/// 1 in cells of a face's square that what stands still in the picture is in, by their middles and those of
+/// their quarters, else 0.
+Eigen::MatrixXf cells_in(const StillCover& still, const Occlusion& seen) {
+    Eigen::MatrixXf in = Eigen::MatrixXf::Zero(seen.cells.rows(), seen.cells.cols());
+    for (Eigen::Index row = 0; still.any() && row < in.rows(); ++row) {
+        for (Eigen::Index column = 0; column < in.cols(); ++column) {
+            const auto is_at = [&](double down, double right) {
+                return still.at(
+                    seen.pixel_of(static_cast<double>(row) + down, static_cast<double>(column) + right));
+            };
+            const bool is_any =
+                is_at(0, 0) || is_at(-.25, -.25) || is_at(-.25, .25) || is_at(.25, -.25) || is_at(.25, .25);
+            in(row, column) = is_any ? 1.F : 0.F;
+        }
+    }
+    return in;
+}
+
 }  // namespace
 
-Cover::Cover(OcclusionSource source, const ColorView& image, const Eigen::Isometry3d& camera_from_head)
-    : source_(std::move(source)) {
+Cover::Cover(OcclusionSource source, StillCover still, const ColorView& image,
+             const Eigen::Isometry3d& camera_from_head)
+    : source_(std::move(source)), still_(std::move(still)) {
     look(image, camera_from_head);
     usual_ = grown(seen_.cells);
     const double surely = seen_.is_sure() ? Occlusion::kSure : 1;
-    first_ = (seen_.cells.array() > static_cast<float>(surely)).cast<float>();
+    first_ = (seen_.cells.array() > static_cast<float>(surely)).cast<float>().matrix();
+    first_ = first_.cwiseMax(cells_in(still_, seen_));
     look_away();
 }
 
@@ -51,7 +71,7 @@ void Cover::look_away() { seen_ = behind_ = {}; }
 void Cover::dismiss() { seen_ = {}; }
 
 bool Cover::hides_any() const {
-    return (seen_.cells.size() > 0 && seen_.cells.maxCoeff() > kHidden) ||
+    return still_.any() || (seen_.cells.size() > 0 && seen_.cells.maxCoeff() > kHidden) ||
            (behind_.cells.size() > 0 && behind_.cells.maxCoeff() > 0);
 }
 

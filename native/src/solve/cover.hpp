@@ -9,7 +9,9 @@ namespace mimetic {
 class Cover {
 public:
     /// image: the reference frame, with the head at a pose. Without a source nothing is ever covered.
-    Cover(OcclusionSource source, const ColorView& image, const Eigen::Isometry3d& camera_from_head);
+    /// still: what stands still in the picture in all frames, the reference frame among them.
+    Cover(OcclusionSource source, StillCover still, const ColorView& image,
+          const Eigen::Isometry3d& camera_from_head);
 
     /// Looks at a frame with the head about at a pose.
     void look(const ColorView& image, const Eigen::Isometry3d& camera_from_head);
@@ -20,7 +22,12 @@ public:
     bool hides_any() const;
 
     /// Whether at a pixel of the frame that was last looked at no skin is compared with skin.
-    bool hides(const Eigen::Vector2d& pixel) const { return came(pixel) || was_hidden(pixel); }
+    bool hides(const Eigen::Vector2d& pixel) const {
+        return stands(pixel) || came(pixel) || was_hidden(pixel);
+    }
+
+    /// Whether something stands still in the picture there, before whatever the frame shows.
+    bool stands(const Eigen::Vector2d& pixel) const { return still_.at(pixel); }
 
     /// Whether something is before the face there that was not in the reference frame.
     bool came(const Eigen::Vector2d& pixel) const;
@@ -30,8 +37,9 @@ public:
 
 private:
     OcclusionSource source_;
+    StillCover still_;
     Eigen::MatrixXf usual_;  // as the reference frame's cells, each with those about it
-    Eigen::MatrixXf first_;  // 1 where something was surely before the reference frame's face
+    Eigen::MatrixXf first_;  // 1 where something was surely before the reference frame's face, or still is
     Occlusion seen_;         // beyond what is usual
     Occlusion behind_;       // `first_`, on the square of the last look
 };

@@ -69,7 +69,7 @@ FaceTracker::State::State(const Camera& camera, const TrackedSurface& surface, c
                           const FeatureInputs& inputs, const TrackerOptions& options, const ColorView& image,
                           const cv::Mat1b& gray, const Eigen::Isometry3d& camera_from_head)
     : face(camera, surface, motion, options),
-      cover(inputs.occlusion, image, camera_from_head),
+      cover(inputs.occlusion, inputs.still_cover, image, camera_from_head),
       features(face, inputs, image, {camera_from_head, Eigen::VectorXd::Zero(face.num_values())}),
       memory(first_memory(face, gray, features.reference())),
       views(first_views(face, memory.state, gray)),
@@ -124,7 +124,7 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
             now.velocity = now.state.difference_from(memory.state);
         }
         recognition.learn(found.score.look);
-        const bool may_be_view = found.score.quality >= kKeyViewQuality && estimate.covered < kMostCovered &&
+        const bool may_be_view = found.score.quality >= kKeyViewQuality && hidden.at_all < kMostCovered &&
                                  recognition.may_be_reference(found.score.look);
         views.offer(face, now.state, frame.gray, may_be_view, estimate.detail.coefficients);
     }
@@ -144,7 +144,7 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
 
 /// How much of the face is hidden, and of what the values move.
 FaceTracker::State::Hidden FaceTracker::State::hidden_by_cover(const ProjectedSurface& projected) const {
-    Hidden hidden{0, Eigen::ArrayXd::Zero(face.num_values())};
+    Hidden hidden{0, 0, Eigen::ArrayXd::Zero(face.num_values())};
     if (!cover.hides_any()) {
         return hidden;
     }
@@ -157,11 +157,13 @@ FaceTracker::State::Hidden FaceTracker::State::hidden_by_cover(const ProjectedSu
         measured += sample.weight;
         moved += energy;
         hidden.came += cover.came(pixel) ? sample.weight : 0;
+        hidden.at_all += cover.came(pixel) || cover.stands(pixel) ? sample.weight : 0;
         if (cover.hides(pixel)) {
             hidden.of_values += energy;
         }
     }
     hidden.came /= std::max(measured, 1e-12);
+    hidden.at_all /= std::max(measured, 1e-12);
     hidden.of_values /= moved;
     return hidden;
 }

@@ -3,9 +3,9 @@
 #include "cover.hpp"
 #include "detail_solver.hpp"
 #include "face_registrar.hpp"
-#include "face_search.hpp"
 #include "feature_evidence.hpp"
 #include "flow_follower.hpp"
+#include "lost_face_search.hpp"
 
 namespace mimetic {
 
@@ -27,6 +27,7 @@ struct FaceTracker::State {
 
     struct Hidden {
         double came = 0;           ///< share of the measured face before which something came
+        double at_all = 0;         ///< share before which something came or stands still
         Eigen::ArrayXd of_values;  ///< M: share of the motion by each value that is hidden
     };
     Hidden hidden_by_cover(const ProjectedSurface& projected) const;
@@ -39,7 +40,7 @@ struct FaceTracker::State {
     ReferenceViews views;
     FlowFollower follower;
     FaceRegistrar registrar;
-    FaceSearch search;
+    LostFaceSearch search;
     DetailSolver detail_solver;
     Measured last_measured;  // the measurements behind the last estimate
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mimetic/locate/occlusion.hpp>
 #include <mimetic/shared/error.hpp>
@@ -41,6 +42,16 @@ TEST(Occlusion, TurnsWithTheSquare) {
     EXPECT_EQ(seen.at({200, 160}), 1);
     EXPECT_EQ(seen.at({200, 40}), 0);
     EXPECT_NEAR(seen.at({290, 100}), .5, 1e-6);
+}
+
+TEST(Occlusion, SaysWhereItsCellsAre) {
+    const Occlusion seen = right_half(.3);
+    for (const auto& [row, column] : {std::pair(0., 0.), {5., 18.}, {11.5, 11.5}}) {
+        const Eigen::Vector2d pixel = seen.pixel_of(row, column);
+        EXPECT_NEAR(seen.at(pixel), std::clamp(column - 11, 0., 1.), 1e-6);
+    }
+    EXPECT_LT((seen.pixel_of(11.5, 11.5) - seen.square.center).norm(), 1e-9);
+    EXPECT_LT((right_half(0).pixel_of(0, 23) - Eigen::Vector2d(315, -15)).norm(), 1e-9);
 }
 
 TEST(Occlusion, TellsTheShareOfAFace) {

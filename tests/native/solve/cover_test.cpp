@@ -32,7 +32,7 @@ const Eigen::Isometry3d kSomewhere = Eigen::Isometry3d::Identity();
 
 TEST(Cover, HidesWhatTheReferenceFrameShowed) {
     Watched watched;
-    Cover cover(watched.source(), ColorView{}, kSomewhere);
+    Cover cover(watched.source(), {}, ColorView{}, kSomewhere);
     EXPECT_FALSE(cover.hides(kRight)) << "nobody has looked yet";
     watched.cells.rightCols(kSide / 2).setConstant(.9F);
     cover.look(ColorView{}, kSomewhere);
@@ -52,7 +52,7 @@ TEST(Cover, HidesWhatTheReferenceFrameShowed) {
 TEST(Cover, HidesNothingThatWasPerhapsThereBefore) {
     Watched watched;
     watched.cells.rightCols(kSide / 2).setConstant(.8F);
-    Cover cover(watched.source(), ColorView{}, kSomewhere);
+    Cover cover(watched.source(), {}, ColorView{}, kSomewhere);
     watched.cells = Cells::Zero(kSide, kSide);
     watched.cells.rightCols(kSide / 2 + 1).setConstant(.9F);  // it has moved by a cell
     cover.look(ColorView{}, kSomewhere);
@@ -66,15 +66,33 @@ TEST(Cover, HidesNothingThatWasPerhapsThereBefore) {
 TEST(Cover, HidesForGoodWhatTheTextureNeverShowed) {
     Watched watched;
     watched.cells.rightCols(kSide / 2).setConstant(.95F);
-    Cover cover(watched.source(), ColorView{}, kSomewhere);
+    Cover cover(watched.source(), {}, ColorView{}, kSomewhere);
     watched.cells.setZero();
     cover.look(ColorView{}, kSomewhere);
     EXPECT_TRUE(cover.hides(kRight) && cover.was_hidden(kRight));
     EXPECT_FALSE(cover.came(kRight) || cover.hides(kLeft));
 }
 
+/// A column of the picture from 200 to 240, over all its height.
+StillCover column() { return {{200, 0}, 40, StillCover::Cells::Constant(6, 1, true)}; }
+
+TEST(Cover, HidesWhatStandsStillInThePicture) {
+    Watched watched;
+    Cover cover(watched.source(), column(), ColorView{}, kSomewhere);
+    EXPECT_TRUE(cover.hides_any() && cover.stands(kRight) && cover.hides(kRight)) << "before any look";
+    watched.square.center.x() -= 100;  // the head moves to the left, with the skin that it hid at first
+    cover.look(ColorView{}, kSomewhere);
+    EXPECT_TRUE(cover.hides(kRight));
+    const Eigen::Vector2d behind = kRight - Eigen::Vector2d(100, 0);
+    EXPECT_TRUE(cover.was_hidden(behind) && cover.hides(behind));
+    EXPECT_FALSE(cover.came(kRight) || cover.came(behind) || cover.stands(behind));
+    EXPECT_FALSE(cover.hides({60, 119.5}));
+    cover.dismiss();
+    EXPECT_TRUE(cover.hides(kRight)) << "it is no mistake of the network";
+}
+
 TEST(Cover, HidesNothingWithoutASource) {
-    Cover cover({}, ColorView{}, kSomewhere);
+    Cover cover({}, {}, ColorView{}, kSomewhere);
     cover.look(ColorView{}, kSomewhere);
     EXPECT_FALSE(cover.hides(kRight));
 }
@@ -96,7 +114,7 @@ TEST(Cover, LeavesOutTheOpeningThatItHides) {
     const Eigen::VectorXd all = information(nullptr);
     Watched watched;
     watched.square = {{scene.camera.cx, scene.camera.cy}, 480, 0};
-    Cover cover(watched.source(), ColorView{}, kSomewhere);
+    Cover cover(watched.source(), {}, ColorView{}, kSomewhere);
     cover.look(ColorView{}, kSomewhere);
     EXPECT_EQ(information(&cover), all);
     watched.cells.rightCols(kSide / 2).setOnes();  // the subject's left eye

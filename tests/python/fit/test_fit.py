@@ -171,7 +171,7 @@ def _changed(key, value):
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        (_changed("schema", 9), "schema 9"),
+        (_changed("schema", 10), "schema 10"),
         (lambda d: d.pop("head_pose"), "lacks head_pose"),
         (_changed("pose", 1), "unknown keys: pose"),
         (_changed("frame", 0), "frame"),
@@ -193,6 +193,15 @@ def _changed(key, value):
         (lambda d: d["views"][0]["curves"].update(jaw=[[1, 2]]), "curve jaw"),
         (lambda d: d["views"][0]["pins"].update(chin=["low"]), "pin chin"),
         (_changed("rest", {"why": "usual"}), "rest must be an object"),
+        (_changed("still_cover", {"cell": 4.0}), "still_cover must be an object"),
+        (
+            _changed("still_cover", {"corner": [1, 2], "cell": 0, "rows": ["#"]}),
+            "cells of 0 pixels",
+        ),
+        (_changed("still_cover", {"corner": [1, "2"], "cell": 4, "rows": ["#"]}), "corner"),
+        (_changed("still_cover", {"corner": [1, 2], "cell": 4, "rows": ["#.", "#"]}), "one length"),
+        (_changed("still_cover", {"corner": [1, 2], "cell": 4, "rows": ["#o"]}), "signs # and"),
+        (_changed("still_cover", {"corner": [1, 2], "cell": 4, "rows": [""]}), "1 to 400 rows"),
         (_changed("rest", {"why": "a whim", "seen": 4, "alike": 2}), "why of these"),
         (_changed("rest", {"why": "usual", "seen": 4, "alike": 5}), "alike <= seen"),
         (_changed("rest", {"why": "usual", "seen": True, "alike": 1}), "whole numbers"),
@@ -261,6 +270,7 @@ def test_fit_of_an_older_file_is_read(tmp_path, template, fitted):
         "views",
         "calibration",
         "rest",
+        "still_cover",
     ):
         del document[key]
     (tmp_path / "fit.json").write_text(json.dumps(document))

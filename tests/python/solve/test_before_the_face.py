@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A hand that comes before a mouth: what it hides is not measured, and the user is told."""
+"""A hand or a caption before a mouth: what it hides is not measured, and the user is told."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from mimetic.fit.still_cover import StillCover
 from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY
 from mimetic.score.truth import Truth
 from mimetic.solve import clip_capture, covered
 from mimetic.solve.capture_summary import CaptureSummary
+from mimetic.template.face_template import load_template
 
 from evaluation.runs.covered import hand
 from evaluation.synthetic.footage import encode
@@ -73,7 +75,7 @@ def watch(monkeypatch, is_sure=False):
     monkeypatch.setattr(covered, "occlusion_network", lambda: Seen(is_sure))
     monkeypatch.setattr(covered, "notes_on_glasses", lambda *_: [])
     monkeypatch.setattr(covered._core, "occlusion_square", lambda *_: None)
-    fit = SimpleNamespace(frame=7, camera=None, head_pose=np.eye(4))
+    fit = SimpleNamespace(frame=7, camera=None, head_pose=np.eye(4), still_cover=StillCover())
     return covered.CoverWatch(np.zeros((4, 4, 3), np.uint8), fit, None)
 
 
@@ -93,3 +95,38 @@ def test_what_is_before_the_face_at_rest_is_told(monkeypatch):
     assert watch(monkeypatch).notes([7]) == []
     (note,) = watch(monkeypatch, is_sure=True).notes([7])
     assert note.startswith("something is before the face in frame 7, from which it is followed")
+
+
+def with_caption(frames):
+    """Two lines of white blocks, as of letters, that stand still over nose and cheeks."""
+    painted = frames.copy()
+    height, width = frames.shape[1:3]
+    for row in (0.66, 0.73):
+        top = round(row * height)
+        for left in range(round(0.36 * width), round(0.62 * width), 9):
+            painted[:, top : top + 9, left : left + 6] = 0
+            painted[:, top + 1 : top + 8, left + 1 : left + 5] = 250
+    return painted
+
+
+def test_a_caption_that_stands_still_is_found_and_told(rendered_clip, tmp_path):
+    frames = np.stack(
+        [
+            np.roll(
+                image, [round(6 * np.cos(0.13 * frame)), round(9 * np.sin(0.1 * frame))], (0, 1)
+            )
+            for frame, image in Footage(rendered_clip.footage)
+        ]
+    )
+    painted = with_caption(frames)
+    path = tmp_path / "clip.mp4"
+    encode(painted, path, TEST)
+    fit = clip_capture.find_face(path)
+    is_found = fit.still_cover.in_core()
+    y, x = np.nonzero((painted[0] != frames[0]).any(axis=-1))
+    pixels = np.column_stack([x, y]).astype(float)
+    assert is_found.at(pixels).mean() > 0.6
+    assert not is_found.at(pixels - (0, 0.2 * frames.shape[1])).any()
+    reference = np.ascontiguousarray(painted[fit.frame - 1])
+    notes = covered.CoverWatch(reference, fit, load_template()).notes([fit.frame])
+    assert any(note.startswith("something stands still in the picture") for note in notes)

@@ -17,6 +17,9 @@ struct Occlusion {
     /// At a pixel of the picture, between the cells' middles; 0 beside the square.
     double at(const Eigen::Vector2d& pixel) const;
 
+    /// The pixel of a place among the cells; their middles are at whole numbers.
+    Eigen::Vector2d pixel_of(double row, double column) const;
+
     /// The share of a frontal face, 0 to 1, that is hidden by more than a probability.
     double share(double probability = .5) const;
 

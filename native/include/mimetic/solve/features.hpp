@@ -5,6 +5,7 @@
 #include <mimetic/locate/eye_regressor.hpp>
 #include <mimetic/locate/feature_networks.hpp>
 #include <mimetic/locate/occlusion.hpp>
+#include <mimetic/locate/still_cover.hpp>
 #include <mimetic/shared/camera.hpp>
 #include <mimetic/shared/image.hpp>
 #include <mimetic/shared/types.hpp>
@@ -57,6 +58,7 @@ struct FeatureInputs {
     std::vector<FeatureOpening> openings;  ///< in the source's order
     FeatureSource source;                  ///< may be empty
     OcclusionSource occlusion = {};        ///< of the whole face; may be empty
+    StillCover still_cover = {};           ///< in all frames; looked at beside `occlusion`
 };
 
 /// By the networks for mesh and iris, which must outlive it: of the left eye, of the right eye (the upper and

@@ -17,6 +17,7 @@ from mimetic.fit.fitted_view import FittedView, checked_frame
 from mimetic.fit.line_modes import line_modes
 from mimetic.fit.residual_shape import residual_modes
 from mimetic.fit.rest_choice import RestChoice
+from mimetic.fit.still_cover import StillCover
 from mimetic.muscles.calibration import Calibration
 from mimetic.shared.documents import checked_places, checked_pose, named, numbers
 from mimetic.shared.json_file import read_json
@@ -26,12 +27,12 @@ from mimetic.shared.shown_text import shortened, shown
 from mimetic.shared.whole_file import whole_file
 from mimetic.template.face_template import FaceTemplate
 
-SCHEMA = 8
+SCHEMA = 9
 REQUIRED = ("schema", "frame", "image_size", "intrinsics", "head_pose", "identity")
 # Key: the schema that it came with; files of older schemas still load.
 OPTIONAL = {"features": 1, "error": 1, "warnings": 1}
 OPTIONAL |= {"residual": 2, "views": 2, "calibration": 3, "relief": 4, "depth": 6}
-OPTIONAL |= {"lines": 7, "rest": 7, "depth_std": 8}
+OPTIONAL |= {"lines": 7, "rest": 7, "depth_std": 8, "still_cover": 9}
 LARGEST_FILE = 4 << 20  # bytes
 MOST_VIEWS = 100
 
@@ -64,6 +65,8 @@ class FaceFit:
     lines: list[float] = field(default_factory=list)
     calibration: Calibration = field(default_factory=Calibration)  # `mimetic calibrate` finds it
     rest: RestChoice = field(default_factory=RestChoice)  # why the face is at rest in `frame`
+    # In all frames before the face, whatever it does; `mimetic.solve.find_face` finds it
+    still_cover: StillCover = field(default_factory=StillCover)
 
     def __post_init__(self) -> None:
         _check(self)
@@ -131,6 +134,7 @@ class FaceFit:
             "views": [view.as_json() for view in self.views],
             "calibration": self.calibration.as_json(),
             "rest": self.rest.as_json(),
+            "still_cover": self.still_cover.as_json(),
         }
         with whole_file(path) as stream:
             stream.write(json.dumps(document, indent=1, allow_nan=False).encode() + b"\n")
@@ -179,6 +183,7 @@ def _fields(document: object) -> dict:
         "views": [FittedView.from_json(view) for view in views],
         "calibration": calibration,
         "rest": RestChoice.from_json(fields.get("rest", {})),
+        "still_cover": StillCover.from_json(fields.get("still_cover", {})),
     }
 
 

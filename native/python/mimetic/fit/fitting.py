@@ -336,7 +336,7 @@ def _solved_again(
 ) -> FaceFit:
     """The fit of a new estimate; what no landmark determines is kept."""
     solved_fit = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
-    names = ("relief", "depth", "depth_std", "lines", "calibration", "rest")
+    names = ("relief", "depth", "depth_std", "lines", "calibration", "rest", "still_cover")
     kept = {name: getattr(fit, name) for name in names}
     return replace(solved_fit, **kept)
 

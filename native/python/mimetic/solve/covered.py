@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is before the face: glasses, a hand, a microphone. What it hides is not measured."""
+"""What is before the face: glasses, a hand, a caption. What it hides is not measured."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from mimetic import _core
 from mimetic.fit.fitting import FaceFit
 from mimetic.locate.feature_networks import occlusion_network
 from mimetic.shared.counted import counted
+from mimetic.solve import tracking
 from mimetic.solve.glasses import notes_on_glasses
 from mimetic.solve.walk import runs_of
 from mimetic.template.face_template import FaceTemplate
 
 COVERED = 0.05  # share of what is measured of the face, from which it is told
+STILL = 0.01  # the same of what stands still in the picture, which hides as much in each frame
 JOINED, MOST_NAMED = 5, 4  # frames between spans that count as one; spans in a note
 
 
@@ -32,6 +34,7 @@ class CoverWatch:
         square = _core.occlusion_square(fit.camera, np.asarray(fit.head_pose, dtype=np.float64))
         self._is_hidden = occlusion_network().see(np.ascontiguousarray(image), square).is_sure()
         self._frames: set[int] = set()
+        self._is_still = _still_share(fit, template) > STILL
 
     def add(self, frame: int, estimate: _core.FrameEstimate) -> None:
         if estimate.covered > COVERED:
@@ -46,6 +49,12 @@ class CoverWatch:
                 "what is hidden there is guessed; name a frame in which the face is bare (--rest "
                 "FRAME)"
             )
+        if self._is_still:
+            notes.append(
+                "something stands still in the picture before the face, as a caption, a logo or a "
+                "microphone does: what it hides is not measured, and the error bars of what moves "
+                "there are wider"
+            )
         if spans := runs_of(sorted(self._frames & set(frames)), JOINED):
             named = [f"{a} to {b}" if b > a else str(a) for a, b in spans[:MOST_NAMED]]
             if len(spans) > MOST_NAMED:
@@ -55,3 +64,13 @@ class CoverWatch:
                 "measured, and the error bars of what moves there are wider"
             )
         return notes
+
+
+def _still_share(fit: FaceFit, template: FaceTemplate) -> float:
+    """The share of what is measured of the face that stands behind it in the fit's frame."""
+    still = fit.still_cover.in_core()
+    if still is None:
+        return 0.0
+    skin = fit.neutral_vertices(template)[: template.num_skin_vertices]
+    measured = skin[~template.in_region(*tracking.UNMEASURED)]
+    return float(still.at(fit.camera.pixels(measured, fit.head_pose)).mean())

@@ -43,6 +43,7 @@ def feature_inputs(fit: FaceFit, template: FaceTemplate, anatomy: Anatomy) -> _c
         fit.camera,
         np.ascontiguousarray(anchors),
         occlusion_network(),
+        fit.still_cover.in_core(),
     )
 
 

@@ -22,6 +22,7 @@ from mimetic.fit.fitting import NoFace
 from mimetic.fit.known_lens import KnownLens, camera_with, cameras_to_try
 from mimetic.fit.line_fit import with_lines
 from mimetic.fit.rest_choice import RestChoice
+from mimetic.fit.still_cover import StillCover
 from mimetic.fit.upright import check_upright
 from mimetic.fit.views import Candidate, choose_views
 from mimetic.media.footage import Footage
@@ -80,7 +81,7 @@ def find_rest(
         *(progress, num_frames * JUDGED, NUM_TRIED * FITTED),
         ATTACHED + NUM_VIEWS * num_frames + FITTED,
     )
-    judgements, _ = both(
+    (judgements, still_cover), _ = both(
         lambda: _judged(footage, frame_numbers, judging, near), fitting.prepare_models
     )
     if not judgements:
@@ -92,7 +93,8 @@ def find_rest(
     def fit_with(camera: _core.Camera, image: NDArray[np.uint8], frame: int) -> FaceFit | None:
         with contextlib.suppress(NoFace):
             faces = judgements[frame].faces
-            return fitting.find_face(image, frame, camera=camera, near=near, faces=faces)
+            fit = fitting.find_face(image, frame, camera=camera, near=near, faces=faces)
+            return replace(fit, still_cover=still_cover)
         return None
 
     order = _core.distinct_first(chances, expressions)
@@ -220,9 +222,11 @@ def rest_asked_for(
     check_upright(footage, frame, image)
     camera = camera_with(lens, footage.size) if lens else None
     fit = fitting.find_face(image, frame, camera=camera, near=near)
-    judgements = _judged(footage, {frame, *others}, progress, fit.head_place(), frame)
+    place = fit.head_place()
+    judgements, still_cover = _judged(footage, {frame, *others}, progress, place, frame)
     scores, expressions, _ = _compared(judgements)
     usual = _core.usual_expression(expressions, scores, list(judgements).index(frame))
+    fit = replace(fit, still_cover=still_cover)
     return Rest(_explained(fit, "asked for", judgements), _candidates(judgements, usual))
 
 
@@ -272,7 +276,7 @@ def _more_frontal(
         with contextlib.suppress(NoFace):
             fit = fitting.find_face(footage.read(frame), frame, camera=camera, near=near)
             if fit.error <= turned.error:
-                frontal = min(frontal, fit, key=_turn)
+                frontal = min(frontal, replace(fit, still_cover=turned.still_cover), key=_turn)
     return frontal if _turn(frontal) <= _turn(turned) / 2 else turned
 
 
@@ -300,26 +304,31 @@ def _judged(
     progress: Progress,
     near: tuple[float, float] | None,
     asked: int | None = None,
-) -> dict[int, fitting.Judged]:
+) -> tuple[dict[int, fitting.Judged], StillCover]:
     """What is measured in those of `frame_numbers` that show a face with nothing more before it
-    than is usual in the clip: no hand that passes. asked: the frame that stays nevertheless."""
+    than is usual in the clip: no hand that passes. asked: the frame that stays nevertheless.
+
+    And what stands still in the picture before it, in all of them."""
     first, last = min(frame_numbers), max(frame_numbers)
     images = ((f, image) for f, image in footage.frames(first, last) if f in frame_numbers)
     judgements = {}
+    still = _core.StillCoverWatch()
     judged = in_turn(lambda numbered: fitting.judge_frame(numbered[1], near), images)
-    for num_seen, ((frame, _), judgement) in enumerate(judged):
+    for num_seen, ((frame, image), judgement) in enumerate(judged):
         text = f"looking for the face: {frame_text(frame, first, last)}"
         _go_on(progress, num_seen / len(frame_numbers), text)
         if judgement is not None:
             judgements[frame] = judgement
+            still.add(np.ascontiguousarray(image), judgement.features)
     if not judgements:
-        return judgements
+        return judgements, StillCover()
     usual = np.quantile([one.covered for one in judgements.values()], LESS_COVERED)
-    return {
+    kept = {
         frame: one
         for frame, one in judgements.items()
         if frame == asked or one.covered <= usual + MORE_COVERED
     }
+    return kept, StillCover.of(still.found())
 
 
 def _go_on(progress: Progress, fraction: float, text: str) -> None:

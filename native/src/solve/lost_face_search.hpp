@@ -7,9 +7,9 @@
 namespace mimetic {
 
 /// Finds a lost face again by its appearance in the reference frame, at several sizes.
-class FaceSearch {
+class LostFaceSearch {
 public:
-    FaceSearch(const cv::Mat1b& reference, const ReferenceView& view);
+    LostFaceSearch(const cv::Mat1b& reference, const ReferenceView& view);
 
     /// Best places of the face, most alike first; face_scale: present size over the reference's, as last
     /// seen.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "face_search.hpp"
+#include "lost_face_search.hpp"
 
 #include <opencv2/imgproc.hpp>
 
@@ -16,7 +16,7 @@ struct Candidate {
 
 }  // namespace
 
-FaceSearch::FaceSearch(const cv::Mat1b& reference, const ReferenceView& view)
+LostFaceSearch::LostFaceSearch(const cv::Mat1b& reference, const ReferenceView& view)
     : camera_from_head_(view.camera_from_head()) {
     const double height = view.mask().rows / view.scale();
     const double width = view.mask().cols / view.scale();
@@ -31,8 +31,8 @@ FaceSearch::FaceSearch(const cv::Mat1b& reference, const ReferenceView& view)
     cv::resize(reference(box), template_, cv::Size(), template_scale_, template_scale_, cv::INTER_AREA);
 }
 
-std::vector<Eigen::Isometry3d> FaceSearch::find(const Camera& camera, const cv::Mat1b& gray,
-                                                double face_scale) const {
+std::vector<Eigen::Isometry3d> LostFaceSearch::find(const Camera& camera, const cv::Mat1b& gray,
+                                                    double face_scale) const {
     std::vector<Candidate> candidates;
     cv::Mat1b small;
     cv::Mat1f score;
