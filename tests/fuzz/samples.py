@@ -93,6 +93,7 @@ def fits() -> list[Sample]:
         "depth_std",
         "lines",
         "rest",
+        "still_cover",
     ):
         del older[key]
     older["schema"] = 1

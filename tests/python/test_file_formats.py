@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mimetic.fit import face_fit, fitted_view, rest_choice
+from mimetic.fit import face_fit, fitted_view, rest_choice, still_cover
 from mimetic.library import expression
 from mimetic.muscles import calibration
 from mimetic.performance import document
@@ -82,7 +82,7 @@ def test_the_page_of_a_performance_says_its_schema_and_from_when_frames_are_held
 
 
 def test_the_page_of_a_fit_has_the_keys_and_schemas_of_the_code():
-    of_fit, of_view, of_calibration, of_rest = tables(page("fit-file.md"))
+    of_fit, of_view, of_calibration, of_rest, of_cover = tables(page("fit-file.md"))
     since = {}
     for row in of_fit:
         number = int(re.match(r"\d+", row["since schema"])[0])
@@ -98,13 +98,16 @@ def test_the_page_of_a_fit_has_the_keys_and_schemas_of_the_code():
     regions = ", ".join(calibration.REGIONS)
     assert f"regions {regions}" in of_calibration[0]["meaning"]
     assert all(f"`{why}`" in of_rest[0]["meaning"] for why in rest_choice.TEXTS if why)
+    assert f"1 to {still_cover.MOST_CELLS} texts" in of_cover[-1]["shape"]
+    assert all(f"`{sign}`" in of_cover[-1]["meaning"] for sign in (still_cover.IN, still_cover.OUT))
 
 
 def test_a_fit_is_written_with_the_keys_of_the_page(tmp_path):
     make_fit().save(tmp_path / "fit.json")
     written = json.loads((tmp_path / "fit.json").read_text(encoding="utf-8"))
-    of_fit, of_view, of_calibration, of_rest = tables(page("fit-file.md"))
+    of_fit, of_view, of_calibration, of_rest, of_cover = tables(page("fit-file.md"))
     assert written.keys() == set(keys(of_fit))
     assert written["views"][0].keys() == set(keys(of_view))
     assert written["calibration"].keys() == set(keys(of_calibration))
     assert written["rest"].keys() == set(keys(of_rest))
+    assert written["still_cover"].keys() == set(keys(of_cover))

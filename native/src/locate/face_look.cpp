@@ -30,19 +30,27 @@ cv::Mat2f slopes_of(const cv::Mat1f& gray) {
 
 /// The part of a frame on the grid, `scale` pixels of which make one of the picture.
 cv::Mat1f on_grid(const ColorView& image, const cv::Rect& place, double scale) {
-    // As much of the picture as the blur reaches
-    const double margin = 3 / scale;
-    const auto begin = [&](int at) { return static_cast<int>(std::floor(at / scale - margin)); };
-    const cv::Rect asked(cv::Point(begin(place.x), begin(place.y)),
-                         cv::Point(static_cast<int>(std::ceil(place.br().x / scale + margin)),
-                                   static_cast<int>(std::ceil(place.br().y / scale + margin))));
-    const cv::Rect part = asked & cv::Rect(0, 0, image.cols, image.rows);
-    const ColorView view{image.data + part.y * image.stride + std::ptrdiff_t{3} * part.x, part.height,
-                         part.width, image.stride};
+    // Of a large face blocks of so many pixels are averaged first: to blur each of them would take longer
+    const int block = std::max(1, static_cast<int>(.5 / scale));
+    const double step = 1 / (scale * block);  // blocks from a place of the grid to the next
+    const double margin = 3 * step;           // as far as the blur reaches
+    const cv::Rect asked(cv::Point(static_cast<int>(std::floor(place.x * step - margin)),
+                                   static_cast<int>(std::floor(place.y * step - margin))),
+                         cv::Point(static_cast<int>(std::ceil(place.br().x * step + margin)),
+                                   static_cast<int>(std::ceil(place.br().y * step + margin))));
+    const cv::Rect part = asked & cv::Rect(0, 0, image.cols / block, image.rows / block);
+    const ColorView view{
+        image.data + std::ptrdiff_t{block} * (part.y * image.stride + std::ptrdiff_t{3} * part.x),
+        block * part.height, block * part.width, image.stride};
+    cv::Mat1b blocks;
+    cv::resize(to_gray(view), blocks, part.size(), 0, 0, cv::INTER_AREA);
     cv::Mat1f gray;
-    to_gray(view).convertTo(gray, CV_32F);
-    cv::GaussianBlur(gray, gray, {}, kBlur / scale);
-    const cv::Matx23d to_part(1 / scale, 0, place.x / scale - part.x, 0, 1 / scale, place.y / scale - part.y);
+    blocks.convertTo(gray, CV_32F);
+    cv::GaussianBlur(gray, gray, {}, kBlur * step);
+    // Pixels have their middles at whole numbers, and so have blocks
+    const double first = (1. / block - 1) / 2;
+    const cv::Matx23d to_part(step, 0, place.x * step + first - part.x, 0, step,
+                              place.y * step + first - part.y);
     cv::Mat1f grid;
     cv::warpAffine(gray, grid, to_part, place.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
                    cv::BORDER_REPLICATE);
@@ -159,11 +167,11 @@ const cv::Vec2f* FaceLook::slope_at(int y, int x) const {
     return place.contains(there) ? &slopes(there - place.tl()) : nullptr;
 }
 
-bool FaceLook::is_face(int y, int x) const {
+double FaceLook::outward(int y, int x) const {
     constexpr double kAcross = .31, kAlong = .4, kDown = .02;  // as `Occlusion::share` has them
     const double c = std::cos(square.roll) / square.side, s = std::sin(square.roll) / square.side;
     const double right = x - square.center.x(), down = y - square.center.y();
-    return std::hypot((c * right + s * down) / kAcross, (c * down - s * right - kDown) / kAlong) < 1;
+    return std::hypot((c * right + s * down) / kAcross, (c * down - s * right - kDown) / kAlong);
 }
 
 FaceLook look_at(const ColorView& image, const FaceFeatures& face, double scale) {

@@ -22,8 +22,9 @@ struct FaceLook {
     /// The slope at a place of the grid; nullptr beside the look.
     const cv::Vec2f* slope_at(int y, int x) const;
 
-    /// Whether a place of the grid is in the face, as a frontal one fills its square.
-    bool is_face(int y, int x) const;
+    /// How far from the face's middle a place of the grid is: a frontal one ends at 1.
+    double outward(int y, int x) const;
+    bool is_face(int y, int x) const { return outward(y, x) < 1; }
 };
 
 /// scale: pixels of the grid for one of the picture.

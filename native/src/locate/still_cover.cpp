@@ -27,7 +27,8 @@ constexpr float kBeyondFace = 1.5;  // times the gradient that the face itself h
 constexpr int kReach = 1;           // pixels of the grid within which a similarity follows a head that turns
 constexpr int kCell = 5;            // pixels of the grid
 constexpr int kLeastInCell = 3;     // of its pixels
-constexpr int kLeastCells = 4;      // that touch each other: less is chance
+constexpr int kLeastCells = 4;      // within the face that touch each other: less is chance
+constexpr double kInner = .8;       // of the way from the face's middle to its outline
 constexpr int kLargestSide = 400;   // cells of a side
 
 /// The gradient that most of these have in common: along their median, what but a few reach.
@@ -151,17 +152,35 @@ cv::Mat1b cells_with(const cv::Mat1f& edges, float least) {
     return cells;
 }
 
-/// Cells that hold edges and touch others. About strong ones nothing is measured either, between letters;
-/// what is seen through spoils little beside it.
-cv::Mat1b cells_of(const cv::Mat1f& edges) {
-    cv::Mat1b cells = cells_with(edges, kLeastEdge);
-    cv::Mat1i labels;
-    cv::Mat1i stats;
-    cv::Mat1d centroids;
-    cv::connectedComponentsWithStats(cells, labels, stats, centroids, 8, CV_32S);
+/// 1 in cells whose middles are well within the face in most looks: along its outline a head that turns shows
+/// an edge that stays where it is.
+cv::Mat1b inner_cells(const std::vector<FaceLook>& looks, const cv::Rect& all) {
+    cv::Mat1b cells = cv::Mat1b::zeros((all.height + kCell - 1) / kCell, (all.width + kCell - 1) / kCell);
     for (int y = 0; y < cells.rows; ++y) {
         for (int x = 0; x < cells.cols; ++x) {
-            if (stats(labels(y, x), cv::CC_STAT_AREA) < kLeastCells) {
+            const auto inside = std::ranges::count_if(looks, [&](const FaceLook& look) {
+                return look.outward(all.y + kCell * y + kCell / 2, all.x + kCell * x + kCell / 2) < kInner;
+            });
+            cells(y, x) = static_cast<double>(inside) >= kShown * static_cast<double>(looks.size());
+        }
+    }
+    return cells;
+}
+
+/// Cells that hold edges and touch others, some of them `inner`. About strong ones nothing is measured
+/// either, between letters; what is seen through spoils little beside it.
+cv::Mat1b cells_of(const cv::Mat1f& edges, const cv::Mat1b& inner) {
+    cv::Mat1b cells = cells_with(edges, kLeastEdge);
+    cv::Mat1i labels;
+    std::vector<int> num_inner(static_cast<std::size_t>(cv::connectedComponents(cells, labels, 8, CV_32S)));
+    for (int y = 0; y < cells.rows; ++y) {
+        for (int x = 0; x < cells.cols; ++x) {
+            num_inner[static_cast<std::size_t>(labels(y, x))] += inner(y, x);
+        }
+    }
+    for (int y = 0; y < cells.rows; ++y) {
+        for (int x = 0; x < cells.cols; ++x) {
+            if (num_inner[static_cast<std::size_t>(labels(y, x))] < kLeastCells) {
                 cells(y, x) = 0;
             }
         }
@@ -243,7 +262,7 @@ StillCover StillCoverWatch::found() const {
     for (const FaceLook& look : looks) {
         all |= look.place;
     }
-    const cv::Mat1b everywhere = cells_of(still_edges(looks, all));
+    const cv::Mat1b everywhere = cells_of(still_edges(looks, all), inner_cells(looks, all));
     const cv::Rect part = cv::boundingRect(everywhere);
     if (part.empty()) {
         return {};

@@ -83,12 +83,23 @@ TEST_F(StillCoverTest, IsFoundBeforeAFaceThatMoves) {
 
 TEST_F(StillCoverTest, IsFoundAtTheSamePlaceInALargePicture) {
     scale = 3.5;
-    add_moving(8, 8);
+    add_moving(6, 8);
     const StillCover found = watch.found();
     EXPECT_TRUE(found.at(scale * kBar));
     EXPECT_FALSE(found.at(scale * (kMiddle + Eigen::Vector2d(0, -30))));
     EXPECT_GT(found.cell, 5);
     EXPECT_NO_THROW(found.check());
+}
+
+TEST_F(StillCoverTest, IsFoundWhereManyPixelsMakeOneOfTheGrid) {
+    scale = 6.5;
+    add_moving(6, 8);
+    const StillCover found = watch.found();
+    EXPECT_TRUE(found.at(scale * kBar));
+    // Both ends of the bar are in, and what is well beside it is not
+    for (const auto& [x, is_in] : {std::pair(-15., true), {15., true}, {-30., false}, {30., false}}) {
+        EXPECT_EQ(found.at(scale * (kBar + Eigen::Vector2d(x, 0))), is_in) << x;
+    }
 }
 
 TEST_F(StillCoverTest, IsNoneOfAFaceAlone) {

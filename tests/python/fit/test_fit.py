@@ -193,7 +193,7 @@ def _changed(key, value):
         (lambda d: d["views"][0]["curves"].update(jaw=[[1, 2]]), "curve jaw"),
         (lambda d: d["views"][0]["pins"].update(chin=["low"]), "pin chin"),
         (_changed("rest", {"why": "usual"}), "rest must be an object"),
-        (_changed("still_cover", {"cell": 4.0}), "still_cover must be an object"),
+        (_changed("still_cover", {"cell": 4.0}), "still_cover of a face fit must be an object"),
         (
             _changed("still_cover", {"corner": [1, 2], "cell": 0, "rows": ["#"]}),
             "cells of 0 pixels",

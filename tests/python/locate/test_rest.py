@@ -16,11 +16,13 @@ from mimetic._core import (
     usual_expression,
 )
 from mimetic.fit import fitting
+from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.fitting import NoFace
 from mimetic.media.footage import Footage
 from mimetic.score.truth import Truth
 from mimetic.solve import find_face as choosing
 from mimetic.solve.clip_capture import rest_in
+from sample_fit import make_fit
 
 from evaluation.runs.rest import RestScore, as_json, as_text, figures
 
@@ -75,7 +77,7 @@ def test_a_frame_in_mid_expression_gives_way_to_one_at_rest(rendered_clip):
     supposed = 1 + int(np.argmax(moved))
     assert moved[supposed - 1] > 0.5
     frames = set(range(1, footage.num_frames + 1, 2)) | {supposed}
-    judgements = choosing._judged(footage, frames, lambda *_: True, None)
+    judgements, _ = choosing._judged(footage, frames, lambda *_: True, None)
     fit = fitting.find_face(footage.read(supposed), supposed)
     relaxed, _ = choosing._relaxed(footage, fit, [], judgements, fitting.find_face, lambda *_: True)
     assert moved[relaxed.frame - 1] < 0.1 and relaxed.rest.why == "relaxed"
@@ -155,11 +157,11 @@ def test_the_reference_frame_of_the_rendered_clip_is_at_rest(rendered_clip, rest
     assert truth.unit_values[rest_fit.frame - 1].max() < 0.15
 
 
-def fit_of(frame: int, turn: float, error: float) -> SimpleNamespace:
+def fit_of(frame: int, turn: float, error: float) -> FaceFit:
     pose = np.eye(4)
     pose[:3, :3] = from_rotation_vectors(np.radians([[0.0, turn, 0.0]]))[0] @ np.diag([1, -1, -1])
     pose[2, 3] = 0.6
-    return SimpleNamespace(frame=frame, head_pose=pose, error=error)
+    return make_fit(frame=frame, head_pose=pose, error=error, views=[])
 
 
 @pytest.mark.parametrize(

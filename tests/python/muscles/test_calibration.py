@@ -128,7 +128,7 @@ def test_a_fit_keeps_its_calibration_and_older_fits_have_none(tmp_path, fit):
     assert FaceFit.load(path).calibration == fit.calibration
     assert "cheeks 1.80" in fit.calibration.notes()[0]
     document = json.loads(path.read_text()) | {"schema": 2}
-    for key in ("calibration", "relief", "depth", "depth_std", "lines", "rest"):
+    for key in ("calibration", "relief", "depth", "depth_std", "lines", "rest", "still_cover"):
         del document[key]
     path.write_text(json.dumps(document))
     assert FaceFit.load(path).calibration == Calibration()

@@ -50,13 +50,13 @@ class StillCover:
             return cls()
         if not isinstance(document, dict) or sorted(document) != ["cell", "corner", "rows"]:
             raise InvalidInput(
-                "face fit's still_cover must be an object with corner, cell and rows"
+                "still_cover of a face fit must be an object with corner, cell and rows"
             )
         corner = numbers("still_cover's corner", document["corner"], (2,))
         cell = float(numbers("still_cover's cell", document["cell"], ()))
         if not 0.1 <= cell <= 16384:
             raise InvalidInput(
-                f"face fit's still_cover has cells of {cell:g} pixels; .1 to 16384 are needed"
+                f"still_cover of a face fit has cells of {cell:g} pixels; .1 to 16384 are needed"
             )
         rows = document["rows"]
         if (
@@ -67,7 +67,7 @@ class StillCover:
             or len({len(row) for row in rows}) != 1
         ):
             raise InvalidInput(
-                f"face fit's still_cover must have 1 to {MOST_CELLS} rows of one length, of the "
+                f"still_cover of a face fit must have 1 to {MOST_CELLS} rows of one length, of the "
                 f"signs {IN} and {OUT}"
             )
         return cls((float(corner[0]), float(corner[1])), cell, tuple(rows))
