@@ -35,11 +35,10 @@ protected:
 
     /// A frame in which the face has moved, or one of two that do not.
     void add(const Eigen::Vector2d& moved) {
-        const int rows = static_cast<int>(kRows * scale), cols = static_cast<int>(kCols * scale);
-        std::vector<std::uint8_t> pixels;
-        for (int y = 0; y < rows; ++y) {
-            for (int x = 0; x < cols; ++x) {
-                const Eigen::Vector2d at((x + .5) / scale - .5, (y + .5) / scale - .5);
+        std::vector<std::uint8_t> drawn;
+        for (int y = 0; y < kRows; ++y) {
+            for (int x = 0; x < kCols; ++x) {
+                const Eigen::Vector2d at(x, y);
                 const Eigen::Array2d from_bar = (at - kBar).array().abs();
                 const bool is_bar = has_bar && from_bar.x() < 16 && from_bar.y() < 5;
                 double grey = is_bar ? 240 : face_at(at - kMiddle - moved);
@@ -47,7 +46,15 @@ protected:
                     const Eigen::Vector2d other = at - kMiddle - kAside;
                     grey = std::min(face_at(at - kMiddle + kAside), face_at({.8 * other.x(), -other.y()}));
                 }
-                pixels.insert(pixels.end(), 3, static_cast<std::uint8_t>(std::lround(grey)));
+                drawn.push_back(static_cast<std::uint8_t>(std::lround(grey)));
+            }
+        }
+        const int rows = static_cast<int>(kRows * scale), cols = static_cast<int>(kCols * scale);
+        std::vector<std::uint8_t> pixels;
+        for (int y = 0; y < rows; ++y) {
+            const std::uint8_t* row = &drawn[static_cast<std::size_t>(y / scale) * kCols];
+            for (int x = 0; x < cols; ++x) {
+                pixels.insert(pixels.end(), 3, row[static_cast<std::size_t>(x / scale)]);
             }
         }
         FaceFeatures face;
