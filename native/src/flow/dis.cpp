@@ -30,19 +30,6 @@ cv::Mat run_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions& optio
     return flow;
 }
 
-/// Absolute pixel positions that a flow leads to.
-cv::Mat targets_of(const cv::Mat& flow) {
-    cv::Mat targets(flow.size(), CV_32FC2);
-    for (int y = 0; y < flow.rows; ++y) {
-        const auto* from = flow.ptr<cv::Vec2f>(y);
-        auto* to = targets.ptr<cv::Vec2f>(y);
-        for (int x = 0; x < flow.cols; ++x) {
-            to[x] = from[x] + cv::Vec2f(static_cast<float>(x), static_cast<float>(y));
-        }
-    }
-    return targets;
-}
-
 cv::Mat blur(const cv::Mat& plane) {
     cv::Mat blurred;
     cv::GaussianBlur(plane, blurred, {kWindow, kWindow}, kWindowSigma);
@@ -88,6 +75,18 @@ std::array<cv::Mat, 3> no_moments(const cv::Size& size) {
 }
 
 }  // namespace
+
+cv::Mat targets_of(const cv::Mat& flow) {
+    cv::Mat targets(flow.size(), CV_32FC2);
+    for (int y = 0; y < flow.rows; ++y) {
+        const auto* from = flow.ptr<cv::Vec2f>(y);
+        auto* to = targets.ptr<cv::Vec2f>(y);
+        for (int x = 0; x < flow.cols; ++x) {
+            to[x] = from[x] + cv::Vec2f(static_cast<float>(x), static_cast<float>(y));
+        }
+    }
+    return targets;
+}
 
 FlowField compute_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions& options,
                       const cv::Mat& initial) {

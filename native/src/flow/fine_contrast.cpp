@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "flow/methods.hpp"
 #include "shared/as_matrix.hpp"
 #include "shared/robust.hpp"
 
@@ -65,15 +66,9 @@ cv::Mat1f brought_back(const cv::Mat1f& next, const cv::Mat1f& gray) {
     next.convertTo(to, CV_8U);
     FlowOptions options;  // the probabilistic method: DIS does no better here, and takes twice the time
     options.judges_noise = false;
-    const FlowField field = compute_flow({from.data, from.rows, from.cols, from.cols},
-                                         {to.data, to.rows, to.cols, to.cols}, options);
-    cv::Mat2f targets(gray.size());
-    for (int y = 0; y < gray.rows; ++y) {
-        for (int x = 0; x < gray.cols; ++x) {
-            const float* flow = field.flow_at(y, x);
-            targets(y, x) = {static_cast<float>(x) + flow[0], static_cast<float>(y) + flow[1]};
-        }
-    }
+    FlowField field = compute_flow({from.data, from.rows, from.cols, from.cols},
+                                   {to.data, to.rows, to.cols, to.cols}, options);
+    const cv::Mat targets = flow::targets_of(cv::Mat(field.rows, field.cols, CV_32FC2, field.flow.data()));
     cv::Mat1f back;  // shorter kernels leave little of the shortest waves
     cv::remap(next, back, targets, cv::noArray(), cv::INTER_LANCZOS4, cv::BORDER_REPLICATE);
     return back;

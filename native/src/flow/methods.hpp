@@ -23,4 +23,7 @@ FlowField compute_probabilistic(const cv::Mat& from, const cv::Mat& to, const Fl
 FlowField compute_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions& options,
                       const cv::Mat& initial);
 
+/// Absolute pixel positions that a flow leads to; both CV_32FC2.
+cv::Mat targets_of(const cv::Mat& flow);
+
 }  // namespace mimetic::flow

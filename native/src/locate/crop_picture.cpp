@@ -99,4 +99,10 @@ Points2 in_picture(const Points2& shares, const FeatureCrop& crop, bool mirrored
     return (shares * map.leftCols<2>().transpose()).rowwise() + map.col(2).transpose();
 }
 
+Eigen::Vector2d in_crop(const Eigen::Vector2d& pixel, const FeatureCrop& crop) {
+    const double c = std::cos(crop.roll) / crop.side, s = std::sin(crop.roll) / crop.side;
+    const Eigen::Vector2d off = pixel - crop.center;
+    return {.5 + c * off.x() + s * off.y(), .5 - s * off.x() + c * off.y()};
+}
+
 }  // namespace mimetic::locate

@@ -17,4 +17,7 @@ cv::Mat standardised(const cv::Mat& blob);
 /// Pixels of the picture of points in sides of the crop.
 Points2 in_picture(const Points2& shares, const FeatureCrop& crop, bool mirrored);
 
+/// The reverse for one pixel, not mirrored: 0 to 1 along both sides within the crop.
+Eigen::Vector2d in_crop(const Eigen::Vector2d& pixel, const FeatureCrop& crop);
+
 }  // namespace mimetic::locate

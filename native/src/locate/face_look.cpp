@@ -7,6 +7,7 @@
 #include <mimetic/shared/error.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "crop_picture.hpp"
 #include "shared/gray.hpp"
 
 namespace mimetic::locate {
@@ -168,14 +169,12 @@ const cv::Vec2f* FaceLook::slope_at(int y, int x) const {
 }
 
 double FaceLook::outward(int y, int x) const {
-    constexpr double kAcross = .31, kAlong = .4, kDown = .02;  // as `Occlusion::share` has them
-    const double c = std::cos(square.roll) / square.side, s = std::sin(square.roll) / square.side;
-    const double right = x - square.center.x(), down = y - square.center.y();
-    return std::hypot((c * right + s * down) / kAcross, (c * down - s * right - kDown) / kAlong);
+    return outward_of_face(in_crop(Eigen::Vector2d(x, y), square));
 }
 
-FaceLook look_at(const ColorView& image, const FaceFeatures& face, double scale) {
-    FaceLook look{occlusion_square(face), face.features, {}, {}, {}};
+FaceLook look_at(const ColorView& image, const FeatureCrop& square, const std::vector<Feature>& points,
+                 double scale) {
+    FaceLook look{square, points, {}, {}, {}};
     look.square.center *= scale;
     look.square.side *= scale;
     for (Feature& point : look.points) {

@@ -22,13 +22,14 @@ struct FaceLook {
     /// The slope at a place of the grid; nullptr beside the look.
     const cv::Vec2f* slope_at(int y, int x) const;
 
-    /// How far from the face's middle a place of the grid is: a frontal one ends at 1.
+    /// As `outward_of_face` has it, of a place of the grid.
     double outward(int y, int x) const;
     bool is_face(int y, int x) const { return outward(y, x) < 1; }
 };
 
-/// scale: pixels of the grid for one of the picture.
-FaceLook look_at(const ColorView& image, const FaceFeatures& face, double scale);
+/// square, points: pixels of the picture; scale: pixels of the grid for one of these.
+FaceLook look_at(const ColorView& image, const FeatureCrop& square, const std::vector<Feature>& points,
+                 double scale);
 
 /// By look the similarity that takes places of one look's face to where that look has them: that by which the
 /// face is most alike, near where its points say or near where it is in the picture. Points scatter by a few

@@ -24,10 +24,9 @@ constexpr double kFaceAcross = .31, kFaceAlong = .4, kFaceDown = .02;
 
 double Occlusion::at(const Eigen::Vector2d& pixel) const {
     if (cells.size() == 0) return 0;
-    const double c = std::cos(square.roll) / square.side, s = std::sin(square.roll) / square.side;
-    const Eigen::Vector2d off = pixel - square.center;
-    const double x = (.5 + c * off.x() + s * off.y()) * static_cast<double>(cells.cols()) - .5;
-    const double y = (.5 - s * off.x() + c * off.y()) * static_cast<double>(cells.rows()) - .5;
+    const Eigen::Vector2d share = locate::in_crop(pixel, square);
+    const double x = share.x() * static_cast<double>(cells.cols()) - .5;
+    const double y = share.y() * static_cast<double>(cells.rows()) - .5;
     const auto right = static_cast<double>(cells.cols() - 1), bottom = static_cast<double>(cells.rows() - 1);
     if (!(x >= -.5 && y >= -.5 && x <= right + .5 && y <= bottom + .5)) return 0;
     const double column = std::clamp(x, 0., right), row = std::clamp(y, 0., bottom);
@@ -39,24 +38,28 @@ double Occlusion::at(const Eigen::Vector2d& pixel) const {
 }
 
 Eigen::Vector2d Occlusion::pixel_of(double row, double column) const {
-    const Eigen::Vector2d off((column + .5) / static_cast<double>(cells.cols()) - .5,
-                              (row + .5) / static_cast<double>(cells.rows()) - .5);
-    return square.center + square.side * (Eigen::Rotation2Dd(square.roll) * off);
+    const Eigen::RowVector2d share((column + .5) / static_cast<double>(cells.cols()),
+                                   (row + .5) / static_cast<double>(cells.rows()));
+    return locate::in_picture(share, square, false).row(0);
 }
 
 double Occlusion::share(double probability) const {
     double hidden = 0, of_face = 0;
     for (Eigen::Index row = 0; row < cells.rows(); ++row) {
         for (Eigen::Index column = 0; column < cells.cols(); ++column) {
-            const double x = (static_cast<double>(column) + .5) / static_cast<double>(cells.cols()) - .5;
-            const double y = (static_cast<double>(row) + .5) / static_cast<double>(cells.rows()) - .5;
-            if (std::hypot(x / kFaceAcross, (y - kFaceDown) / kFaceAlong) < 1) {
+            const double x = (static_cast<double>(column) + .5) / static_cast<double>(cells.cols());
+            const double y = (static_cast<double>(row) + .5) / static_cast<double>(cells.rows());
+            if (outward_of_face({x, y}) < 1) {
                 of_face += 1;
                 hidden += cells(row, column) > probability;
             }
         }
     }
     return of_face > 0 ? hidden / of_face : 0;
+}
+
+double outward_of_face(const Eigen::Vector2d& share) {
+    return std::hypot((share.x() - .5) / kFaceAcross, (share.y() - .5 - kFaceDown) / kFaceAlong);
 }
 
 FeatureCrop occlusion_square(const Camera& camera, const Eigen::Isometry3d& camera_from_head) {

@@ -31,8 +31,19 @@ constexpr int kLeastCells = 4;      // within the face that touch each other: le
 constexpr double kInner = .8;       // of the way from the face's middle to its outline
 constexpr int kLargestSide = 400;   // cells of a side
 
-/// The gradient that most of these have in common: along their median, what but a few reach.
-float common_slope(const std::vector<cv::Vec2f>& slopes) {
+/// The gradient that looks have in common: along their median, what but a few reach; 0 where too few show it.
+/// slope_in: a look's (its number) at the place in question, or nullptr.
+template <typename SlopeIn>
+float common_slope(std::size_t num_looks, const SlopeIn& slope_in) {
+    std::vector<cv::Vec2f> slopes;
+    for (std::size_t k = 0; k < num_looks; ++k) {
+        if (const cv::Vec2f* slope = slope_in(k); slope != nullptr) {
+            slopes.push_back(*slope);
+        }
+    }
+    if (static_cast<double>(slopes.size()) < std::max(4., kShown * static_cast<double>(num_looks))) {
+        return 0;
+    }
     std::vector<float> right, down, along;
     for (const cv::Vec2f& slope : slopes) {
         right.push_back(slope[0]);
@@ -49,11 +60,6 @@ float common_slope(const std::vector<cv::Vec2f>& slopes) {
     const auto few = along.begin() + static_cast<std::ptrdiff_t>(kHave * static_cast<double>(along.size()));
     std::nth_element(along.begin(), few, along.end());
     return std::max(0.F, *few);
-}
-
-/// Whether so many frames show the face.
-bool are_enough(const std::vector<cv::Vec2f>& slopes, std::size_t num_looks) {
-    return static_cast<double>(slopes.size()) >= std::max(4., kShown * static_cast<double>(num_looks));
 }
 
 /// What gradient the face itself has, in a picture in which it moves; computed where it is asked for.
@@ -92,17 +98,12 @@ private:
     float common_at(int row, int column) {
         float& common = common_(row, column);
         if (common == kUnknown) {
-            std::vector<cv::Vec2f> slopes;
             const Eigen::Vector2d here(column + about_.place.x, row + about_.place.y);
-            for (std::size_t k = 0; k < looks_.size(); ++k) {
+            common = common_slope(looks_.size(), [&](std::size_t k) {
                 const Eigen::Vector2d there = from_about_[k] * here;
-                const auto* slope = looks_[k].slope_at(static_cast<int>(std::lround(there.y())),
-                                                       static_cast<int>(std::lround(there.x())));
-                if (slope != nullptr) {
-                    slopes.push_back(*slope);
-                }
-            }
-            common = are_enough(slopes, looks_.size()) ? common_slope(slopes) : 0;
+                return looks_[k].slope_at(static_cast<int>(std::lround(there.y())),
+                                          static_cast<int>(std::lround(there.x())));
+            });
         }
         return common;
     }
@@ -117,20 +118,11 @@ private:
 cv::Mat1f still_edges(const std::vector<FaceLook>& looks, const cv::Rect& all) {
     SlopesOfFace of_face(looks);
     cv::Mat1f edges = cv::Mat1f::zeros(all.size());
-    std::vector<cv::Vec2f> slopes;
     for (int y = all.y; y < all.br().y; ++y) {
         for (int x = all.x; x < all.br().x; ++x) {
-            slopes.clear();
-            for (const FaceLook& look : looks) {
-                const auto* slope = look.is_face(y, x) ? look.slope_at(y, x) : nullptr;
-                if (slope != nullptr) {
-                    slopes.push_back(*slope);
-                }
-            }
-            if (!are_enough(slopes, looks.size())) {
-                continue;
-            }
-            const float slope = common_slope(slopes);
+            const float slope = common_slope(looks.size(), [&](std::size_t k) {
+                return looks[k].is_face(y, x) ? looks[k].slope_at(y, x) : nullptr;
+            });
             if (slope > kLeastEdge && slope > kBeyondFace * of_face.largest_at(y, x)) {
                 edges(y - all.y, x - all.x) = slope;
             }
@@ -139,9 +131,14 @@ cv::Mat1f still_edges(const std::vector<FaceLook>& looks, const cv::Rect& all) {
     return edges;
 }
 
+/// No cell yet, of those that a part of the grid divides into.
+cv::Mat1b cells_over(const cv::Size& part) {
+    return cv::Mat1b::zeros((part.height + kCell - 1) / kCell, (part.width + kCell - 1) / kCell);
+}
+
 /// 1 in cells that hold as steep edges.
 cv::Mat1b cells_with(const cv::Mat1f& edges, float least) {
-    cv::Mat1b cells = cv::Mat1b::zeros((edges.rows + kCell - 1) / kCell, (edges.cols + kCell - 1) / kCell);
+    cv::Mat1b cells = cells_over(edges.size());
     const cv::Rect all({}, edges.size());
     for (int y = 0; y < cells.rows; ++y) {
         for (int x = 0; x < cells.cols; ++x) {
@@ -155,7 +152,7 @@ cv::Mat1b cells_with(const cv::Mat1f& edges, float least) {
 /// 1 in cells whose middles are well within the face in most looks: along its outline a head that turns shows
 /// an edge that stays where it is.
 cv::Mat1b inner_cells(const std::vector<FaceLook>& looks, const cv::Rect& all) {
-    cv::Mat1b cells = cv::Mat1b::zeros((all.height + kCell - 1) / kCell, (all.width + kCell - 1) / kCell);
+    cv::Mat1b cells = cells_over(all.size());
     for (int y = 0; y < cells.rows; ++y) {
         for (int x = 0; x < cells.cols; ++x) {
             const auto inside = std::ranges::count_if(looks, [&](const FaceLook& look) {
@@ -247,7 +244,7 @@ void StillCoverWatch::add(const ColorView& image, const FaceFeatures& face) {
         all.scale = std::min(1., locate::kGridSide / square.side);
     }
     require(image.rows == all.rows && image.cols == all.cols, "frames of one clip must be of one size");
-    FaceLook look = locate::look_at(image, face, all.scale);
+    FaceLook look = locate::look_at(image, square, face.features, all.scale);
     if (!look.place.empty()) {
         all.looks.push_back(std::move(look));
     }

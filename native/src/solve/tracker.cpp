@@ -156,8 +156,9 @@ FaceTracker::State::Hidden FaceTracker::State::hidden_by_cover(const ProjectedSu
             sample.weight * sample.skin.modes.colwise().squaredNorm().transpose().cast<double>().array();
         measured += sample.weight;
         moved += energy;
-        hidden.came += cover.came(pixel) ? sample.weight : 0;
-        hidden.at_all += cover.came(pixel) || cover.stands(pixel) ? sample.weight : 0;
+        const bool has_come = cover.came(pixel);
+        hidden.came += has_come ? sample.weight : 0;
+        hidden.at_all += has_come || cover.stands(pixel) ? sample.weight : 0;
         if (cover.hides(pixel)) {
             hidden.of_values += energy;
         }

@@ -30,6 +30,10 @@ struct Occlusion {
     bool is_sure() const { return sure_share() >= kLeastSure; }
 };
 
+/// How far from the middle of a frontal face a place of its square is, which goes from 0 to 1 along both
+/// sides: the face ends at 1.
+double outward_of_face(const Eigen::Vector2d& share);
+
 /// The square of a head that is at a pose, which the network was fitted to. Throws InvalidInput: the head is
 /// behind the camera.
 FeatureCrop occlusion_square(const Camera& camera, const Eigen::Isometry3d& camera_from_head);
