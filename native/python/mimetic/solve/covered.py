@@ -12,8 +12,8 @@ from mimetic import _core
 from mimetic.fit.fitting import FaceFit
 from mimetic.locate.feature_networks import occlusion_network
 from mimetic.shared.counted import counted
-from mimetic.solve import tracking
 from mimetic.solve.glasses import notes_on_glasses
+from mimetic.solve.tracking import measured_skin
 from mimetic.solve.walk import runs_of
 from mimetic.template.face_template import FaceTemplate
 
@@ -71,6 +71,5 @@ def _still_share(fit: FaceFit, template: FaceTemplate) -> float:
     still = fit.still_cover.in_core()
     if still is None:
         return 0.0
-    skin = fit.neutral_vertices(template)[: template.num_skin_vertices]
-    measured = skin[~template.in_region(*tracking.UNMEASURED)]
+    measured = measured_skin(fit.neutral_vertices(template), template)
     return float(still.at(fit.camera.pixels(measured, fit.head_pose)).mean())

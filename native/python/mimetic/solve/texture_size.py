@@ -18,7 +18,7 @@ from mimetic.fit.fitting import FaceFit
 from mimetic.media.cuts import of_one_scene
 from mimetic.media.footage import Footage
 from mimetic.solve.face_place import FacePlace
-from mimetic.solve.tracking import UNMEASURED
+from mimetic.solve.tracking import measured_skin
 from mimetic.template.face_template import FaceTemplate
 
 Image = NDArray[np.uint8]
@@ -62,7 +62,7 @@ def fine_contrast(
     Pictures that are shown again do not count; a frame without any after it is compared with
     itself.
     """
-    measured = neutral[: template.num_skin_vertices][~template.in_region(*UNMEASURED)]
+    measured = measured_skin(neutral, template)
     pose = np.asarray(fit.head_pose)
     face = measured @ pose[:3, :3].T + pose[:3, 3]
     last = min(fit.frame + LOOKED_AT, footage.num_frames)

@@ -39,6 +39,13 @@ CHIN_DEPTH_STD = 6e-3
 QUICKNESS = {"lid_upper": 8.0, "lid_lower": 4.0}
 
 
+def measured_skin(
+    neutral_vertices: NDArray[np.float64], template: FaceTemplate
+) -> NDArray[np.float64]:
+    """K x 3 of a head's vertices (V x 3), in their frame: those of skin that is measured."""
+    return neutral_vertices[: template.num_skin_vertices][~template.in_region(*UNMEASURED)]
+
+
 def face_motion(
     neutral_vertices: NDArray[np.float64],
     template: FaceTemplate,
