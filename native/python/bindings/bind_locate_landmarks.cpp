@@ -100,11 +100,12 @@ void bind_locate_landmarks(py::module_& m) {
         "rest_scores; "
         "where\nmost frames are plainly not at rest, the others alone say what is usual. rest: index of the "
         "frame that is\nknown to show rest: how near to it.");
-    m.def("costs_of_rest", &costs_of_rest, "values"_a, "lids"_a, "scores"_a, "details"_a,
+    m.def("costs_of_rest", &costs_of_rest, "values"_a, "lids"_a, "scores"_a, "details"_a, "covered_lids"_a,
           "(F,) how little a frame serves as rest; the least is the best. values: (F, M) of what moves the "
           "skin, relative\nto any one of the frames; lids: (F, L), 1 where shut; scores, details: (F,) of "
           "rest_scores, "
-          "face_detail.");
+          "face_detail; covered_lids: (C, L) of frames with a hand before the face, which serve as no "
+          "rest.");
     m.def("num_alike", &num_alike, "expressions"_a, "frame"_a,
           "How many frames have the expression (F, 6) of the one at index `frame`, it among them.");
     m.def(

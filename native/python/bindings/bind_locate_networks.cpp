@@ -5,6 +5,7 @@
 #include <mimetic/locate/feature_noise.hpp>
 #include <mimetic/locate/network_features.hpp>
 #include <mimetic/locate/occlusion.hpp>
+#include <mimetic/locate/passing_cover.hpp>
 #include <mimetic/shared/error.hpp>
 #include <string>
 
@@ -95,6 +96,9 @@ void bind_occlusion(py::module_& m) {
     m.def(
         "occlusion_square", [](const FaceFeatures& face) { return occlusion_square(face); }, "face"_a,
         "The same of a face that was found, about.");
+    m.def("passing_shares", &passing_shares, "frames"_a,
+          "(F,) the share of the face, 0 to 1, that is surely hidden in each Occlusion of a clip by what "
+          "passes: not\nby what most of them have at the same place of the picture. Raises InvalidInput.");
 }
 
 void bind_locate_networks(py::module_& m) {

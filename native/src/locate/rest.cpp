@@ -337,9 +337,10 @@ Eigen::VectorXd chances_of_rest(VectorIn scores, VectorIn details, const Express
            shared_expression(expressions, weights.matrix()).array();
 }
 
-Eigen::VectorXd costs_of_rest(MatrixIn values, MatrixIn lids, VectorIn scores, VectorIn details) {
+Eigen::VectorXd costs_of_rest(MatrixIn values, MatrixIn lids, VectorIn scores, VectorIn details,
+                              MatrixIn covered_lids) {
     if (values.rows() == 0 || lids.rows() != values.rows() || scores.size() != values.rows() ||
-        details.size() != values.rows()) {
+        details.size() != values.rows() || covered_lids.cols() != lids.cols()) {
         throw InvalidInput("there must be values, lids, a score and a detail for each of some frames");
     }
     Eigen::VectorXd excess = Eigen::VectorXd::Zero(values.rows());
@@ -347,9 +348,11 @@ Eigen::VectorXd costs_of_rest(MatrixIn values, MatrixIn lids, VectorIn scores, V
         const double relaxed = quantile({value.begin(), value.end()}, kRelaxed);
         excess += kPerExcess * (value.array() - relaxed).max(0).matrix();
     }
-    for (const auto lid : lids.colwise()) {
-        const double open = quantile({lid.begin(), lid.end()}, kOpenLid);
-        excess += kPerLid * (lid.array() - open - kLidAtRest).max(0).matrix();
+    for (Eigen::Index i = 0; i < lids.cols(); ++i) {
+        std::vector<double> seen(lids.col(i).begin(), lids.col(i).end());
+        seen.insert(seen.end(), covered_lids.col(i).begin(), covered_lids.col(i).end());
+        const double open = quantile(seen, kOpenLid);
+        excess += kPerLid * (lids.col(i).array() - open - kLidAtRest).max(0).matrix();
     }
     Eigen::VectorXd density(values.rows());
     for (Eigen::Index frame = 0; frame < values.rows(); ++frame) {

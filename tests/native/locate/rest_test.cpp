@@ -41,6 +41,8 @@ std::vector<std::uint8_t> drawn(bool has_open_mouth) {
     return image;
 }
 
+const MatrixRows kNoLids(0, 2);
+
 TEST(Rest, AnOpenMouthIsNone) {
     const FaceFeatures face = some_face();
     const auto closed = drawn(false), open = drawn(true);
@@ -131,10 +133,10 @@ TEST(Rest, CostsCountWhatIsAboveTheRelaxedFramesAndWhatDoesNotRecur) {
     values.col(0) << 0, 0, 0, 0, .9, .9, .9, .9, .45, 1.4;
     const Eigen::VectorXd all = Eigen::VectorXd::Ones(10);
     const MatrixRows open = MatrixRows::Zero(10, 2);
-    const Eigen::VectorXd costs = costs_of_rest(values, open, all, all);
+    const Eigen::VectorXd costs = costs_of_rest(values, open, all, all, kNoLids);
     EXPECT_NEAR(costs[4] - costs[0], 1.8, .05);  // .9 of a value at 2 each; both recur alike
     EXPECT_GT(costs[8] - costs[0], std::log(2.));
-    EXPECT_THROW(costs_of_rest(values, open, all.head(9), all), InvalidInput);
+    EXPECT_THROW(costs_of_rest(values, open, all.head(9), all, kNoLids), InvalidInput);
 }
 
 TEST(Rest, ALidThatIsMoreShutThanUsualCostsALookAsideDoesNot) {
@@ -144,15 +146,28 @@ TEST(Rest, ALidThatIsMoreShutThanUsualCostsALookAsideDoesNot) {
     lids(3, 0) = .6;                                     // a wink
     lids.row(5).setConstant(-.2);
     lids.row(7).setConstant(-.9);  // wide open
-    const Eigen::VectorXd costs = costs_of_rest(values, lids, all, all);
+    const Eigen::VectorXd costs = costs_of_rest(values, lids, all, all, kNoLids);
     EXPECT_GT(costs[3], costs[0] + 2);
     EXPECT_DOUBLE_EQ(costs[5], costs[0]);
     EXPECT_DOUBLE_EQ(costs[7], costs[0]);
-    EXPECT_THROW(costs_of_rest(values, lids.topRows(9), all, all), InvalidInput);
+    EXPECT_THROW(costs_of_rest(values, lids.topRows(9), all, all, kNoLids), InvalidInput);
     lids.setZero();  // shut in most frames, as of somebody who weeps
     lids.bottomRows(4).setConstant(-.9);
-    const Eigen::VectorXd weeping = costs_of_rest(values, lids, all, all);
+    const Eigen::VectorXd weeping = costs_of_rest(values, lids, all, all, kNoLids);
     EXPECT_GT(weeping[0], weeping[9] + 2);
+}
+
+TEST(Rest, EyesThatAreOpenBesideAHandTellThatOthersLookDown) {
+    const MatrixRows values = MatrixRows::Zero(10, 2);
+    const Eigen::VectorXd all = Eigen::VectorXd::Ones(10);
+    MatrixRows lids = MatrixRows::Zero(10, 2);
+    lids.row(9).setConstant(-.9);
+    EXPECT_DOUBLE_EQ(costs_of_rest(values, lids, all, all, kNoLids)[0],
+                     costs_of_rest(values, lids, all, all, kNoLids)[9]);
+    const MatrixRows beside_a_hand = MatrixRows::Constant(6, 2, -.9);
+    const Eigen::VectorXd costs = costs_of_rest(values, lids, all, all, beside_a_hand);
+    EXPECT_GT(costs[0], costs[9] + 2);
+    EXPECT_THROW(costs_of_rest(values, lids, all, all, beside_a_hand.leftCols(1)), InvalidInput);
 }
 
 TEST(Rest, ChancesNeedAnExpressionAFrame) {

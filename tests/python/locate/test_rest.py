@@ -22,6 +22,7 @@ from mimetic.media.footage import Footage
 from mimetic.score.truth import Truth
 from mimetic.solve import find_face as choosing
 from mimetic.solve.clip_capture import rest_in
+from mimetic.solve.judged_frames import judged_frames
 from sample_fit import make_fit
 
 from evaluation.runs.rest import RestScore, as_json, as_text, figures
@@ -53,6 +54,7 @@ def test_a_smile_that_lasts_most_of_the_clip_is_not_its_rest():
 
 
 OPEN = np.zeros((24, 2))  # lids
+NO_LIDS = np.zeros((0, 2))
 
 
 def test_what_relaxes_below_a_supposed_rest_is_the_rest():
@@ -61,14 +63,14 @@ def test_what_relaxes_below_a_supposed_rest_is_the_rest():
     values[:7, :3] -= 0.4
     values[7:12, :3] -= np.linspace(0.35, 0.05, 5)[:, None]
     values[20:, 4] += np.linspace(0.3, 0.9, 4)
-    costs = costs_of_rest(values, OPEN, np.ones(24), np.ones(24))
+    costs = costs_of_rest(values, OPEN, np.ones(24), np.ones(24), NO_LIDS)
     assert np.argmin(costs) < 7 and costs[7:].min() > costs[:7].max()
     blurred = np.r_[np.full(4, 0.2), np.ones(20)]
-    assert 4 <= np.argmin(costs_of_rest(values, OPEN, np.ones(24), blurred)) < 7
+    assert 4 <= np.argmin(costs_of_rest(values, OPEN, np.ones(24), blurred, NO_LIDS)) < 7
     shut_eyes = np.r_[np.ones(4), np.full(20, 1e-3)]
-    assert np.argmin(costs_of_rest(values, OPEN, shut_eyes, np.ones(24))) < 4
+    assert np.argmin(costs_of_rest(values, OPEN, shut_eyes, np.ones(24), NO_LIDS)) < 4
     with pytest.raises(InvalidInput):
-        costs_of_rest(values, OPEN, np.ones(23), np.ones(24))
+        costs_of_rest(values, OPEN, np.ones(23), np.ones(24), NO_LIDS)
 
 
 def test_a_frame_in_mid_expression_gives_way_to_one_at_rest(rendered_clip):
@@ -77,9 +79,9 @@ def test_a_frame_in_mid_expression_gives_way_to_one_at_rest(rendered_clip):
     supposed = 1 + int(np.argmax(moved))
     assert moved[supposed - 1] > 0.5
     frames = set(range(1, footage.num_frames + 1, 2)) | {supposed}
-    judgements, _ = choosing._judged(footage, frames, lambda *_: True, None)
+    judged = judged_frames(footage, frames, lambda *_: None, None)
     fit = fitting.find_face(footage.read(supposed), supposed)
-    relaxed, _ = choosing._relaxed(footage, fit, [], judgements, fitting.find_face, lambda *_: True)
+    relaxed, _ = choosing._relaxed(footage, fit, [], judged, fitting.find_face, lambda *_: True)
     assert moved[relaxed.frame - 1] < 0.1 and relaxed.rest.why == "relaxed"
 
 

@@ -1,18 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The frame taken as rest: a person may name it, and is told which it is and why."""
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 from clips import make_clip
 from mimetic import InvalidInput
 from mimetic.commands.cli import main
 from mimetic.fit.face_fit import FaceFit
-from mimetic.fit.fitting import NoFace
+from mimetic.fit.fitting import NoFace, judge_frame
 from mimetic.fit.rest_choice import RestChoice
+from mimetic.fit.still_cover import StillCover
 from mimetic.media.footage import Footage
 from mimetic.shared.progress import NUM_CANDIDATES
 from mimetic.solve import find_face as find_face_module
 from mimetic.solve.clip_capture import find_face
 from mimetic.solve.find_face import find_rest
+from mimetic.solve.judged_frames import JudgedFrames
+from mimetic.solve.rest_motion import Moved
 
 FRAME = 3  # at rest
 
@@ -56,16 +62,42 @@ def test_rest_is_not_judged_from_a_single_frame_alone(rendered_clip, monkeypatch
     """A frame that is far from rest in its own view must give way to one that is not."""
     seen_from = []
 
-    def costs(reference, _footage, judgements, _skin, _progress):
+    def costs(reference, _footage, judged, _skin, _progress):
         seen_from.append(reference.frame)
         if len(seen_from) == 1:
-            return {f: 5.0 if f == reference.frame else 4.0 for f in judgements}
-        return {f: 0.0 if f == reference.frame else 1.0 for f in judgements}
+            return {f: 5.0 if f == reference.frame else 4.0 for f in judged.clear}
+        return {f: 0.0 if f == reference.frame else 1.0 for f in judged.clear}
 
     monkeypatch.setattr(find_face_module, "_costs_seen_from", costs)
     rest = find_rest(Footage(rendered_clip.footage), {1, 5, 12, 20, 26, 30}, lambda *_: True)
     assert len(set(seen_from)) == 2
     assert rest.fit.frame == seen_from[1]
+
+
+def test_eyes_beside_a_hand_tell_that_other_frames_look_down(rendered_clip, monkeypatch):
+    footage = Footage(rendered_clip.footage)
+    one = judge_frame(footage.read(1))
+    lids = {frame: 0.0 for frame in range(1, 8)} | dict.fromkeys(range(8, 15), -0.9)
+
+    def moved(_footage, _fit, frames, _skin):
+        for frame in sorted(frames):
+            yield frame, Moved(np.zeros(3), np.full(2, lids[frame]))
+
+    monkeypatch.setattr(find_face_module, "moved_from", moved)
+    clear = dict.fromkeys(range(1, 9), one)
+    alone, beside = (
+        find_face_module._costs_seen_from(
+            SimpleNamespace(frame=1),
+            footage,
+            JudgedFrames(clear, hands, StillCover()),
+            None,
+            lambda *_: True,
+        )
+        for hands in (set(), set(range(9, 15)))
+    )
+    assert set(alone) == set(beside) == set(clear)
+    assert alone[8] == pytest.approx(alone[1])
+    assert beside[8] < beside[1] - 2
 
 
 @pytest.mark.parametrize("frame", [0, 9999])

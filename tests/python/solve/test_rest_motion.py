@@ -27,6 +27,7 @@ def test_a_frame_with_shut_lids_is_not_at_rest_however_well_it_looks(tmp_path):
         np.array([getattr(m, n) for m in followed.values()]) for n in ("values", "lids")
     )
     alike = np.ones(len(frames))
-    costs = dict(zip(followed, _core.costs_of_rest(values, lids, alike, alike), strict=True))
+    costs = _core.costs_of_rest(values, lids, alike, alike, np.zeros((0, 2)))
+    costs = dict(zip(followed, costs, strict=True))
     others = [cost for frame, cost in costs.items() if frame != closed]
     assert costs[closed] > max(others) + 1

@@ -66,6 +66,9 @@ Eigen::VectorXd chances_of_rest(VectorIn scores, VectorIn details, const Express
 /// values, and by how much they are above what they are in the clip's lowest frames, so that a smile that
 /// lasts is none. lids: F x L, of each lid its way from open (0) to shut (1): one that is more shut than in
 /// the clip's open frames winks, blinks or looks down. scores, details: F, as for chances_of_rest.
-Eigen::VectorXd costs_of_rest(MatrixIn values, MatrixIn lids, VectorIn scores, VectorIn details);
+/// covered_lids: C x L, of frames that serve as no rest since a hand is before the face: they, too, tell how
+/// open eyes are.
+Eigen::VectorXd costs_of_rest(MatrixIn values, MatrixIn lids, VectorIn scores, VectorIn details,
+                              MatrixIn covered_lids);
 
 }  // namespace mimetic

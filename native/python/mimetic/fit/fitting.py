@@ -70,7 +70,7 @@ class Judged:
     signs: _core.RestSigns
     detail: float
     expression: NDArray[np.float64]  # 6
-    covered: float  # share of the face that something is surely before
+    cover: _core.Occlusion  # what is before the face
     features: _core.FaceFeatures
     faces: list[_core.FaceFeatures]  # all that are in the frame, the largest first
 
@@ -85,10 +85,10 @@ def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = Non
     if not faces:
         return None
     face = faces[0 if near is None else _nearest(faces, near)]
-    covered = occlusion_network().see(image, _core.occlusion_square(face)).sure_share()
+    cover = occlusion_network().see(image, _core.occlusion_square(face))
     image = _core.well_lit(image, face)
     signs, detail = _core.rest_signs(image, face), _core.face_detail(image, face)
-    return Judged(signs, detail, _core.expression_of(face), covered, face, faces)
+    return Judged(signs, detail, _core.expression_of(face), cover, face, faces)
 
 
 def find_face(

@@ -6,7 +6,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -21,8 +21,6 @@ from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.fitting import NoFace
 from mimetic.fit.known_lens import KnownLens, camera_with, cameras_to_try
 from mimetic.fit.line_fit import with_lines
-from mimetic.fit.rest_choice import RestChoice
-from mimetic.fit.still_cover import StillCover
 from mimetic.fit.upright import check_upright
 from mimetic.fit.views import Candidate, choose_views
 from mimetic.media.footage import Footage
@@ -35,9 +33,9 @@ from mimetic.shared.progress import (
     NUM_TRIED,
     NUM_VIEWS,
     Progress,
-    frame_text,
     stages,
 )
+from mimetic.solve.judged_frames import JudgedFrames, judged_frames
 from mimetic.solve.relief_sightings import with_relief
 from mimetic.solve.rest_motion import Moved, moved_from
 from mimetic.template.face_template import load_template
@@ -50,8 +48,6 @@ NUM_AT_REST = 4  # frames beside the reference, whose lids and lips are looked a
 LEAST_FOLLOWED = 5  # frames, to say which of them is at rest
 CLEARLY_BETTER = 0.2  # of `costs_of_rest`: by less, the frame that it is seen from stays
 MOST_REFITTED = 3
-LESS_COVERED = 0.25  # quantile of what is before the face that is usual in the clip
-MORE_COVERED = 0.06  # share of the face; frames in which so much more is covered are left out
 
 FitHead = Callable[[NDArray[np.uint8], int], FaceFit | None]  # image, frame -> head, if any
 
@@ -81,26 +77,27 @@ def find_rest(
         *(progress, num_frames * JUDGED, NUM_TRIED * FITTED),
         ATTACHED + NUM_VIEWS * num_frames + FITTED,
     )
-    (judgements, still_cover), _ = both(
-        lambda: _judged(footage, frame_numbers, judging, near), fitting.prepare_models
+    judged, _ = both(
+        lambda: judged_frames(footage, frame_numbers, partial(_go_on, judging), near),
+        fitting.prepare_models,
     )
-    if not judgements:
+    if not judged.clear:
         return None
-    frames = list(judgements)
-    scores, expressions, details = _compared(judgements)
+    frames = list(judged.clear)
+    scores, expressions, details = judged.compared()
     chances = _core.chances_of_rest(scores, details, expressions)
 
     def fit_with(camera: _core.Camera, image: NDArray[np.uint8], frame: int) -> FaceFit | None:
         with contextlib.suppress(NoFace):
-            faces = judgements[frame].faces
+            faces = judged.clear[frame].faces
             fit = fitting.find_face(image, frame, camera=camera, near=near, faces=faces)
-            return replace(fit, still_cover=still_cover)
+            return replace(fit, still_cover=judged.still_cover)
         return None
 
     order = _core.distinct_first(chances, expressions)
     best_chance = float(chances.max()) or 1.0  # 0 where the finder is sure of no frame
     likely = [(frames[i], chances[i] / best_chance) for i in order]
-    found = [face for judged in judgements.values() for face in judged.faces]
+    found = [face for one in judged.clear.values() for face in one.faces]
     for camera in cameras_to_try(lens, footage.size, found):
         fit_head = partial(fit_with, camera)
         if fits := _fitted_heads(footage, likely, fit_head, fitting_heads):
@@ -111,10 +108,10 @@ def find_rest(
     usual = best = min(fits, key=_unusualness)
     if _turn(best) > FAR_TURNED:
         best = _more_frontal(footage, best, frames, camera, near, fitting_heads)
-    best = _explained(best, "usual" if best is usual else "frontal", judgements)
-    best, skin = _relaxed(footage, best, fits, judgements, fit_head, following)
+    best = judged.explained(best, "usual" if best is usual else "frontal")
+    best, skin = _relaxed(footage, best, fits, judged, fit_head, following)
     rest = None if best.rest.why == "usual" else frames.index(best.frame)
-    candidates = _candidates(judgements, _core.usual_expression(expressions, scores, rest))
+    candidates = judged.candidates(_core.usual_expression(expressions, scores, rest))
     return Rest(best, candidates, skin)
 
 
@@ -150,7 +147,7 @@ def _relaxed(
     footage: Footage,
     supposed: FaceFit,
     others: Sequence[FaceFit],
-    judgements: Mapping[int, fitting.Judged],
+    judged: JudgedFrames,
     fit_head: FitHead,
     progress: Progress,
 ) -> tuple[FaceFit, AttachedSkin]:
@@ -161,7 +158,8 @@ def _relaxed(
     face cannot be followed, or no head be fitted to what is better. With the skin of its head.
     """
     template = load_template()
-    attaching, *viewing = stages(progress, ATTACHED, *NUM_VIEWS * [len(judgements)])
+    num_followed = len(judged.clear) + len(judged.covered)
+    attaching, *viewing = stages(progress, ATTACHED, *NUM_VIEWS * [num_followed])
     skin = factored_skin(
         supposed.neutral_vertices(template), template, supposed.calibration, attaching
     )
@@ -172,7 +170,7 @@ def _relaxed(
     known = {fit.frame: fit for fit in (supposed, *sorted(usable, key=_unusualness))}
     least, costs = math.inf, {}
     for reference, view in zip(known.values(), viewing, strict=False):
-        seen = _costs_seen_from(reference, footage, judgements, skin, view)
+        seen = _costs_seen_from(reference, footage, judged, skin, view)
         if len(seen) < LEAST_FOLLOWED:
             continue
         seen[reference.frame] -= CLEARLY_BETTER
@@ -181,29 +179,33 @@ def _relaxed(
     for frame in sorted(costs, key=costs.__getitem__)[:MOST_REFITTED]:
         fit = known[frame] if frame in known else fit_head(footage.read(frame), frame)
         if fit is not None and _turn(fit) <= widest:
-            return _explained(fit, "relaxed", judgements), skin
+            return judged.explained(fit, "relaxed"), skin
     return supposed, skin
 
 
 def _costs_seen_from(
     reference: FaceFit,
     footage: Footage,
-    judgements: Mapping[int, fitting.Judged],
+    judged: JudgedFrames,
     skin: AttachedSkin,
     progress: Progress,
 ) -> dict[int, float]:
-    """By frame to which the face can be followed: the less, the more likely it is at rest."""
+    """By clear frame to which the face can be followed: the less, the more likely it is at rest."""
     followed: dict[int, Moved] = {}
-    for frame, moved in moved_from(footage, reference, set(judgements), skin):
-        _go_on(progress, len(followed) / len(judgements), f"looking for rest: frame {frame}")
+    frames = judged.clear.keys() | judged.covered
+    for frame, moved in moved_from(footage, reference, frames, skin):
+        _go_on(progress, len(followed) / len(frames), f"looking for rest: frame {frame}")
         followed[frame] = moved
-    scores, _, details = _compared(judgements)
-    rows = [list(judgements).index(frame) for frame in followed]
-    values, lids = (
-        np.array([getattr(m, n) for m in followed.values()]) for n in ("values", "lids")
+    scores, _, details = judged.compared()
+    clear = [frame for frame in followed if frame in judged.clear]
+    rows = [list(judged.clear).index(frame) for frame in clear]
+    values = np.array([followed[frame].values for frame in clear])
+    lids, covered_lids = (
+        np.array([followed[frame].lids for frame in some]).reshape(-1, 2)
+        for some in (clear, sorted(followed.keys() - judged.clear.keys()))
     )
-    costs = _core.costs_of_rest(values, lids, scores[rows], details[rows])
-    return dict(zip(followed, costs.tolist(), strict=True))
+    costs = _core.costs_of_rest(values, lids, scores[rows], details[rows], covered_lids)
+    return dict(zip(clear, costs.tolist(), strict=True))
 
 
 def rest_asked_for(
@@ -223,38 +225,11 @@ def rest_asked_for(
     camera = camera_with(lens, footage.size) if lens else None
     fit = fitting.find_face(image, frame, camera=camera, near=near)
     place = fit.head_place()
-    judgements, still_cover = _judged(footage, {frame, *others}, progress, place, frame)
-    scores, expressions, _ = _compared(judgements)
-    usual = _core.usual_expression(expressions, scores, list(judgements).index(frame))
-    fit = replace(fit, still_cover=still_cover)
-    return Rest(_explained(fit, "asked for", judgements), _candidates(judgements, usual))
-
-
-def _compared(
-    judgements: Mapping[int, fitting.Judged],
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Scores, expressions and details of the frames, in their order."""
-    rows = judgements.values()
-    expressions, details = (
-        np.array([getattr(one, n) for one in rows]) for n in ("expression", "detail")
-    )
-    return _core.rest_scores([one.signs for one in rows]), expressions, details
-
-
-def _candidates(
-    judgements: Mapping[int, fitting.Judged], usual: NDArray[np.float64]
-) -> list[Candidate]:
-    return [
-        Candidate(frame, one.features, float(share))
-        for (frame, one), share in zip(judgements.items(), usual, strict=True)
-    ]
-
-
-def _explained(fit: FaceFit, why: str, judgements: Mapping[int, fitting.Judged]) -> FaceFit:
-    """The fit with the reason why its frame was taken."""
-    _, expressions, _ = _compared(judgements)
-    alike = _core.num_alike(expressions, list(judgements).index(fit.frame))
-    return replace(fit, rest=RestChoice(why, len(judgements), alike))
+    judged = judged_frames(footage, {frame, *others}, partial(_go_on, progress), place, frame)
+    scores, expressions, _ = judged.compared()
+    usual = _core.usual_expression(expressions, scores, list(judged.clear).index(frame))
+    fit = replace(fit, still_cover=judged.still_cover)
+    return Rest(judged.explained(fit, "asked for"), judged.candidates(usual))
 
 
 def _more_frontal(
@@ -296,39 +271,6 @@ def joined_with_others(footage: Footage, rest: Rest, progress: Progress) -> Face
         skin=rest.skin,
     )
     return with_lines(fit, _others_at_rest(footage, fit, rest.candidates), load_template())
-
-
-def _judged(
-    footage: Footage,
-    frame_numbers: set[int],
-    progress: Progress,
-    near: tuple[float, float] | None,
-    asked: int | None = None,
-) -> tuple[dict[int, fitting.Judged], StillCover]:
-    """What is measured in those of `frame_numbers` that show a face with nothing more before it
-    than is usual in the clip: no hand that passes. asked: the frame that stays nevertheless.
-
-    And what stands still in the picture before it, in all of them."""
-    first, last = min(frame_numbers), max(frame_numbers)
-    images = ((f, image) for f, image in footage.frames(first, last) if f in frame_numbers)
-    judgements = {}
-    still = _core.StillCoverWatch()
-    judged = in_turn(lambda numbered: fitting.judge_frame(numbered[1], near), images)
-    for num_seen, ((frame, image), judgement) in enumerate(judged):
-        text = f"looking for the face: {frame_text(frame, first, last)}"
-        _go_on(progress, num_seen / len(frame_numbers), text)
-        if judgement is not None:
-            judgements[frame] = judgement
-            still.add(np.ascontiguousarray(image), judgement.features)
-    if not judgements:
-        return judgements, StillCover()
-    usual = np.quantile([one.covered for one in judgements.values()], LESS_COVERED)
-    kept = {
-        frame: one
-        for frame, one in judgements.items()
-        if frame == asked or one.covered <= usual + MORE_COVERED
-    }
-    return kept, StillCover.of(still.found())
 
 
 def _go_on(progress: Progress, fraction: float, text: str) -> None:
