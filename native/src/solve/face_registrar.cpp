@@ -107,8 +107,9 @@ void FaceRegistrar::measure(const FaceState& state, FrameAtHand& frame, bool is_
         const StageClock clock(frame.times.warp_ms);
         projected.update(face_.surface, face_.camera, state.camera_from_head, state.values);
         if (is_first) {
-            sight_.draw(projected, state,
-                        views_.pixels_per_crop_pixel(state.camera_from_head) * face_.options.crop_height);
+            sight_.draw(projected, state, face_height(state));
+        } else {
+            sight_.follow(projected, state, face_height(state));
         }
     }
     const std::vector<ReferenceView*> near = views_.near(state.camera_from_head);
@@ -150,10 +151,15 @@ void FaceRegistrar::score_samples(const FaceState& state, Registration& registra
     score.quality = ratio_or_zero(explained, in_sight) * std::min(1., seen / .25);
 }
 
+double FaceRegistrar::face_height(const FaceState& state) const {
+    return views_.pixels_per_crop_pixel(state.camera_from_head) * face_.options.crop_height;
+}
+
 FaceRegistrar::Appearance FaceRegistrar::look_at(const FaceState& state, FrameAtHand& frame) {
     const StageClock clock(frame.times.warp_ms);
     ProjectedSurface projected;
     projected.update(face_.surface, face_.camera, state.camera_from_head, state.values);
+    sight_.follow(projected, state, face_height(state));
     Appearance seen;
     for (ReferenceView* view : views_.near(state.camera_from_head)) {
         const std::vector<float> visible = sight_.visible(*view, projected, state);

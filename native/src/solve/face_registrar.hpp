@@ -97,6 +97,7 @@ private:
                  Registration& registration);
     void score_samples(const FaceState& state, Registration& registration) const;
     Appearance look_at(const FaceState& state, FrameAtHand& frame);
+    double face_height(const FaceState& state) const;  ///< pixels
     bool is_vague(const Expectation& expected) const;
 
     const TrackedFace& face_;

@@ -3,6 +3,19 @@
 
 namespace mimetic {
 
+namespace {
+
+constexpr float kBehind = .012f;  // metres: thicker than a raster cell's slope
+
+/// Metres by which skin's depth may have changed from one pose to another, at most.
+double depth_change(const Eigen::Isometry3d& before, const Eigen::Isometry3d& after) {
+    constexpr double kFarthestSkin = .12;  // metres from the head's origin
+    const double turn = Eigen::AngleAxisd(after.linear() * before.linear().transpose()).angle();
+    return std::abs(after.translation().z() - before.translation().z()) + kFarthestSkin * turn;
+}
+
+}  // namespace
+
 void Sight::draw(const ProjectedSurface& projected, const FaceState& state, double face_height) {
     constexpr int kRasterHeight = 80;  // of the face
     const Eigen::Vector2d head = face_.camera.project(state.camera_from_head.translation());
@@ -10,6 +23,13 @@ void Sight::draw(const ProjectedSurface& projected, const FaceState& state, doub
     grid_.origin = head - Eigen::Vector2d::Constant(1.2 * face_height);
     grid_.rows = grid_.cols = static_cast<int>(2.4 * face_height * grid_.scale);
     raster_surface(projected, face_.surface.triangles(), grid_, raster_);
+    drawn_ = state.camera_from_head;
+}
+
+void Sight::follow(const ProjectedSurface& projected, const FaceState& state, double face_height) {
+    if (depth_change(drawn_, state.camera_from_head) > kBehind / 3) {
+        draw(projected, state, face_height);
+    }
 }
 
 std::vector<float> Sight::visible(const ReferenceView& view, const ProjectedSurface& projected,
@@ -39,11 +59,9 @@ std::vector<float> Sight::visible(const ReferenceView& view, const ProjectedSurf
         }
         const Eigen::Vector2d cell = (pixel.cast<double>() - grid_.origin) * grid_.scale;
         const int x = static_cast<int>(std::lround(cell.x())), y = static_cast<int>(std::lround(cell.y()));
-        if (x >= 0 && y >= 0 && x < raster_.cols && y < raster_.rows) {
-            constexpr float kBehind = .012f;  // metres: thicker than a raster cell's slope
-            if (projected.depths[corners[0]] > raster_.depth[raster_.index(x, y)] + kBehind) {
-                visible[k] = 0;
-            }
+        const bool is_drawn = x >= 0 && y >= 0 && x < raster_.cols && y < raster_.rows;
+        if (is_drawn && projected.depths[corners[0]] > raster_.depth[raster_.index(x, y)] + kBehind) {
+            visible[k] = 0;
         }
     }
     return visible;

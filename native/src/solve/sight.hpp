@@ -10,9 +10,12 @@ class Sight {
 public:
     Sight(const TrackedFace& face, const Cover& cover) : face_(face), cover_(cover) {}
 
-    /// Rasterises the depth at low resolution: occlusion hardly changes with the steps that follow.
-    /// face_height: pixels.
+    /// Rasterises the depth at low resolution. face_height: pixels.
     void draw(const ProjectedSurface& projected, const FaceState& state, double face_height);
+
+    /// The same where the head has moved so far since that skin would lie behind what was drawn of itself;
+    /// otherwise occlusion hardly changes with a step.
+    void follow(const ProjectedSurface& projected, const FaceState& state, double face_height);
 
     /// Visibility of each sample of a view, 0 to 1.
     std::vector<float> visible(const ReferenceView& view, const ProjectedSurface& projected,
@@ -23,6 +26,7 @@ private:
     const Cover& cover_;  // of the present frame
     Raster raster_;
     RasterGrid grid_;
+    Eigen::Isometry3d drawn_ = Eigen::Isometry3d::Identity();  // camera from head
 };
 
 }  // namespace mimetic

@@ -313,6 +313,22 @@ TEST(FaceTracker, TellsAFaceThatWasLostAndFoundInOneFrame) {
     EXPECT_TRUE(tracker.advance(scene().view(there), elsewhere).found_again);
 }
 
+TEST(FaceTracker, DoesNotTakeAHeadThatGoesAwayForOneThatIsBehindItself) {
+    for (const bool relative_flow : {true, false}) {
+        TrackerOptions options;
+        options.relative_flow = relative_flow;
+        FaceTracker tracker = make_tracker(options);
+        advance(tracker, scene().render(scene().camera_from_head, scene().rest()));
+        Eigen::Isometry3d away = scene().camera_from_head;
+        away.translation().z() += .025;
+        const FrameEstimate found = advance(tracker, scene().render(away, scene().rest()));
+        EXPECT_FALSE(found.held);
+        EXPECT_FALSE(found.found_again);
+        EXPECT_GT(found.quality, .8);
+        EXPECT_NEAR(found.camera_from_head.translation().z(), away.translation().z(), .005);
+    }
+}
+
 TEST(FaceTracker, AsksMoreOfAFaceThatWasLostAndFoundInOneFrame) {
     Eigen::Isometry3d elsewhere = scene().camera_from_head;
     elsewhere.translation() += Eigen::Vector3d(.08, -.02, .05);
