@@ -2,6 +2,8 @@
 #include "cover.hpp"
 
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
+#include <vector>
 
 namespace mimetic {
 
@@ -22,6 +24,36 @@ Eigen::MatrixXf grown(const Eigen::MatrixXf& cells) {
         }
     }
     return largest;
+}
+
+/// Makes the parts of the face 0 that hang together and are surely hidden nowhere: a laugh and other light
+/// are perhaps something before it, all over the mouth; of a hand or a microphone the network is sure.
+/// beyond: by how much more than usual each cell is hidden, with a probability that was seen.
+void drop_unsure_parts(const Eigen::MatrixXf& seen, Eigen::MatrixXf& beyond) {
+    constexpr int kLeastSure = 2;  // cells
+    const auto rows = static_cast<int>(beyond.rows()), columns = static_cast<int>(beyond.cols());
+    cv::Mat1b hidden(rows, columns);
+    for (int y = 0; y < rows; ++y) {
+        for (int x = 0; x < columns; ++x) {
+            const bool is_face = outward_of_face({(x + .5) / columns, (y + .5) / rows}) < 1;
+            hidden(y, x) = is_face && beyond(y, x) > kHidden ? 1 : 0;
+        }
+    }
+    cv::Mat1i part;
+    std::vector<int> num_sure(static_cast<std::size_t>(cv::connectedComponents(hidden, part, 8, CV_32S)));
+    const auto number_of = [&part](int y, int x) { return static_cast<std::size_t>(part(y, x)); };
+    for (int y = 0; y < rows; ++y) {
+        for (int x = 0; x < columns; ++x) {
+            num_sure[number_of(y, x)] += seen(y, x) > static_cast<float>(Occlusion::kSure) ? 1 : 0;
+        }
+    }
+    for (int y = 0; y < rows; ++y) {
+        for (int x = 0; x < columns; ++x) {
+            if (hidden(y, x) != 0 && num_sure[number_of(y, x)] < kLeastSure) {
+                beyond(y, x) = 0;
+            }
+        }
+    }
 }
 
 /// 1 in cells of a face's square that what stands still in the picture is in, by their middles and those of
@@ -62,7 +94,9 @@ void Cover::look(const ColorView& image, const Eigen::Isometry3d& camera_from_he
     seen_ = source_(image, camera_from_head);
     behind_ = seen_.cells.size() > 0 ? Occlusion{seen_.square, first_} : Occlusion{};
     if (usual_.size() > 0 && seen_.cells.size() > 0) {
+        const Eigen::MatrixXf seen = seen_.cells;
         seen_.cells -= usual_;
+        drop_unsure_parts(seen, seen_.cells);
     }
 }
 

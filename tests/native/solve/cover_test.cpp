@@ -34,7 +34,7 @@ TEST(Cover, HidesWhatTheReferenceFrameShowed) {
     Watched watched;
     Cover cover(watched.source(), {}, ColorView{}, kSomewhere);
     EXPECT_FALSE(cover.hides(kRight)) << "nobody has looked yet";
-    watched.cells.rightCols(kSide / 2).setConstant(.9F);
+    watched.cells.rightCols(kSide / 2).setConstant(.95F);
     cover.look(ColorView{}, kSomewhere);
     EXPECT_TRUE(cover.hides(kRight));
     EXPECT_FALSE(cover.hides(kLeft));
@@ -54,13 +54,26 @@ TEST(Cover, HidesNothingThatWasPerhapsThereBefore) {
     watched.cells.rightCols(kSide / 2).setConstant(.8F);
     Cover cover(watched.source(), {}, ColorView{}, kSomewhere);
     watched.cells = Cells::Zero(kSide, kSide);
-    watched.cells.rightCols(kSide / 2 + 1).setConstant(.9F);  // it has moved by a cell
+    watched.cells.rightCols(kSide / 2 + 1).setConstant(.95F);  // it has moved by a cell
     cover.look(ColorView{}, kSomewhere);
     EXPECT_FALSE(cover.hides(kRight));
     EXPECT_FALSE(cover.hides({159.5 - 6, 119.5}));
-    watched.cells.setConstant(.9F);
+    watched.cells.setConstant(.95F);
     cover.look(ColorView{}, kSomewhere);
     EXPECT_TRUE(cover.hides(kLeft));
+}
+
+TEST(Cover, HidesAPartOnlyWhereItIsSurelyHiddenSomewhere) {
+    Watched watched;
+    Cover cover(watched.source(), {}, ColorView{}, kSomewhere);
+    watched.cells.block(9, 7, 6, 3).setConstant(.6F);   // perhaps, about kLeft
+    watched.cells.block(9, 15, 6, 4).setConstant(.3F);  // hardly, about kRight, round what is sure
+    cover.look(ColorView{}, kSomewhere);
+    EXPECT_FALSE(cover.hides(kLeft) || cover.hides(kRight));
+    watched.cells.block(9, 18, 2, 1).setConstant(.95F);
+    cover.look(ColorView{}, kSomewhere);
+    EXPECT_FALSE(cover.hides(kLeft)) << "another part";
+    EXPECT_TRUE(cover.hides(kRight));
 }
 
 TEST(Cover, HidesForGoodWhatTheTextureNeverShowed) {
