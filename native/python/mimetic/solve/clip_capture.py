@@ -111,10 +111,8 @@ def rest_in(
     near: Place | None = None,
     lens: KnownLens | None = None,
 ) -> Rest:
-    """The face at rest in the first seconds of these frames, or later; near: in the picture.
-
-    Raises NoFace.
-    """
+    """The face at rest in the first seconds of these frames, or later; near: as `find_rest` has it.
+    Raises NoFace."""
     first, last = frames
     end = min(last, first + max(1, round(SEARCHED_SECONDS * float(footage.fps))))
     searching, once_more = stages(progress, 1.0, 0.0)
@@ -127,9 +125,11 @@ def rest_in(
         for one in sorted(_spread(first, last, NUM_TURNED)):
             with contextlib.suppress(UnreadableMedia):  # a damaged end
                 check_upright(footage, one, footage.read(one))
+        at = "" if near is None else f" near ({near[0]:.0f}, {near[1]:.0f})"
+        where = f"{footage.path.name}{at}"
         raise NoFace(
-            f"no frontal face found in {footage.path.name}, frames {first} to {last}: choose a "
-            "range in which the face looks at the camera and is lit (--frames A:B), or give a fit"
+            f"no frontal face found in {where}, frames {first} to {last}: choose a"
+            " range in which the face looks at the camera and is lit (--frames A:B), or give a fit"
         )
     return rest
 

@@ -35,7 +35,7 @@ from mimetic.shared.progress import (
     Progress,
     stages,
 )
-from mimetic.solve.judged_frames import JudgedFrames, judged_frames
+from mimetic.solve.judged_frames import NEAR_ENOUGH, JudgedFrames, judged_frames, widths_away
 from mimetic.solve.relief_sightings import with_relief
 from mimetic.solve.rest_motion import Moved, moved_from
 from mimetic.template.face_template import load_template
@@ -70,7 +70,8 @@ def find_rest(
 ) -> Rest | None:
     """The best frame at rest among those of `frame_numbers` to which a head can be fitted.
 
-    near: as `mimetic.fit.fitting.find_face` has it; lens: that it was filmed with, if known
+    near: a place (x, y) in pixels where the face is in one of them at least, the largest without;
+    lens: that it was filmed with, if known
     """
     num_frames = len(frame_numbers)
     judging, fitting_heads, following = stages(
@@ -224,6 +225,11 @@ def rest_asked_for(
     check_upright(footage, frame, image)
     camera = camera_with(lens, footage.size) if lens else None
     fit = fitting.find_face(image, frame, camera=camera, near=near)
+    if near is not None and widths_away(fit.views[0].measured, near) > NEAR_ENOUGH:
+        raise NoFace(
+            f"no frontal face found near ({near[0]:.0f}, {near[1]:.0f}) in frame {frame}, which is "
+            "to show rest: name a place where the face is in that frame"
+        )
     place = fit.head_place()
     judged = judged_frames(footage, {frame, *others}, partial(_go_on, progress), place, frame)
     scores, expressions, _ = judged.compared()

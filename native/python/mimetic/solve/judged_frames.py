@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,8 +20,14 @@ from mimetic.media.footage import Footage
 from mimetic.shared.parallel import in_turn
 from mimetic.shared.progress import frame_text
 
+NEAR_ENOUGH = 2.0  # widths of a face, from a place or from frame to frame; farther is another's
 LESS_COVERED = 0.25  # quantile of what is before the face that is usual in the clip
 MORE_COVERED = 0.06  # share of the face; frames in which so much more is covered show no rest
+
+
+def widths_away(face: _core.FaceFeatures, place: Sequence[float] | NDArray[np.float64]) -> float:
+    """How far a place (x, y), pixels, is from a face's middle, in widths of the face."""
+    return math.dist(_middle(face), place) / float(face.box[2])
 
 
 @dataclass(frozen=True)
@@ -64,10 +71,12 @@ def judged_frames(
     near: tuple[float, float] | None,
     asked: int | None = None,
 ) -> JudgedFrames:
-    """What is measured in those of `frame_numbers` that show a face.
+    """What is measured in those of `frame_numbers` that show a face, of one person if there are
+    several.
 
-    go_on: is told the fraction done and what is done; near: as `mimetic.fit.fitting.find_face` has
-    it; asked: the frame that counts as clear whatever is before it.
+    go_on: is told the fraction done and what is done; near: a place (x, y) in pixels where the
+    face is in one of them at least; asked: the frame in which it is, and which counts as clear
+    whatever is before it.
     """
     first, last = min(frame_numbers), max(frame_numbers)
     images = ((f, image) for f, image in footage.frames(first, last) if f in frame_numbers)
@@ -80,6 +89,7 @@ def judged_frames(
         if judgement is not None:
             judgements[frame] = judgement
             still.add(np.ascontiguousarray(image), judgement.features)
+    judgements = _of_one_person(judgements, near, asked)
     if not judgements:
         return JudgedFrames({}, set(), StillCover())
     passing = _core.passing_shares([one.cover for one in judgements.values()])
@@ -90,3 +100,40 @@ def judged_frames(
         if frame == asked or share <= most
     }
     return JudgedFrames(clear, judgements.keys() - clear.keys(), StillCover.of(still.found()))
+
+
+def _of_one_person(
+    judgements: dict[int, fitting.Judged], near: tuple[float, float] | None, asked: int | None
+) -> dict[int, fitting.Judged]:
+    """Those of the face that was named, or of the largest where a frame shows several.
+
+    Where it is not found, another's is: what is not where the face was in the frame before, from
+    a frame that is sure to show it, is left out.
+    """
+    if not judgements:
+        return {}
+    if asked in judgements:
+        sure = asked
+    elif near is not None:
+        sure = min(judgements, key=lambda frame: widths_away(judgements[frame].features, near))
+        if widths_away(judgements[sure].features, near) > NEAR_ENOUGH:
+            return {}
+    elif any(len(one.faces) > 1 for one in judgements.values()):
+        sure = max(judgements, key=lambda frame: float(judgements[frame].features.box[2]))
+    else:
+        return judgements
+    frames = sorted(judgements)
+    start = frames.index(sure)
+    kept = {sure}
+    for way in (frames[start + 1 :], frames[:start][::-1]):
+        last = judgements[sure].features
+        for frame in way:
+            face = judgements[frame].features
+            if widths_away(face, _middle(last)) <= NEAR_ENOUGH:
+                kept.add(frame)
+                last = face
+    return {frame: one for frame, one in judgements.items() if frame in kept}
+
+
+def _middle(face: _core.FaceFeatures) -> NDArray[np.float64]:
+    return face.box[:2] + face.box[2:] / 2
