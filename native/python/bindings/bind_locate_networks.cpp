@@ -71,7 +71,6 @@ void bind_occlusion(py::module_& m) {
             "pixels"_a, "(K,) at pixels (K, 2) of the picture; 0 beside the square")
         .def("share", &Occlusion::share, "probability"_a = .5,
              "0 to 1: of a frontal face, what is hidden by more than a probability")
-        .def("sure_share", &Occlusion::sure_share, "0 to 1: of a frontal face, what is surely hidden")
         .def("is_sure", &Occlusion::is_sure, "whether something is before the face without doubt");
     py::class_<OcclusionNetwork>(m, "OcclusionNetwork", "Sees what is before a face.")
         .def(py::init<const std::string&>(), "file"_a,
