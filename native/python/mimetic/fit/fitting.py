@@ -383,8 +383,12 @@ def _expected(
 
 def _nearest(faces: Sequence[_core.FaceFeatures], near: tuple[float, float]) -> int:
     """Index of the face whose middle is nearest to a place, pixels."""
-    away = [math.dist(face.box[:2] + face.box[2:] / 2, near) for face in faces]
-    return int(np.argmin(away))
+    return int(np.argmin([math.dist(middle_of(face), near) for face in faces]))
+
+
+def middle_of(face: _core.FaceFeatures) -> NDArray[np.float64]:
+    """The middle (x, y) of a face's box, pixels."""
+    return face.box[:2] + face.box[2:] / 2
 
 
 @lru_cache(maxsize=1)

@@ -27,7 +27,7 @@ MORE_COVERED = 0.06  # share of the face; frames in which so much more is covere
 
 def widths_away(face: _core.FaceFeatures, place: Sequence[float] | NDArray[np.float64]) -> float:
     """How far a place (x, y), pixels, is from a face's middle, in widths of the face."""
-    return math.dist(_middle(face), place) / float(face.box[2])
+    return math.dist(fitting.middle_of(face), place) / float(face.box[2])
 
 
 @dataclass(frozen=True)
@@ -129,11 +129,7 @@ def _of_one_person(
         last = judgements[sure].features
         for frame in way:
             face = judgements[frame].features
-            if widths_away(face, _middle(last)) <= NEAR_ENOUGH:
+            if widths_away(face, fitting.middle_of(last)) <= NEAR_ENOUGH:
                 kept.add(frame)
                 last = face
     return {frame: one for frame, one in judgements.items() if frame in kept}
-
-
-def _middle(face: _core.FaceFeatures) -> NDArray[np.float64]:
-    return face.box[:2] + face.box[2:] / 2
