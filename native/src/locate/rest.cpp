@@ -25,9 +25,11 @@ struct AtRest {
 constexpr AtRest kContrasts[] = {{&RestSigns::mouth_contrast, .13, .03},
                                  {&RestSigns::mouth_edges, .09, .02},
                                  {&RestSigns::cheek_contrast, .09, .04}};
-constexpr AtRest kPupils{&RestSigns::pupil_brightness, .33, .08};  // closed lids are as bright as skin
+// Closed lids are as bright as skin. On dark skin and in few pixels open eyes, too, are brighter than usual.
+constexpr AtRest kPupils{&RestSigns::pupil_brightness, .33, .08};
 constexpr double kLeastAtRest = .2;  // of a clip's frames: their contrasts are those of this footage at rest
 constexpr double kSmiles = 1.25;     // of the usual: to 1.24 where somebody smiles all along, unsharpened
+constexpr double kOpenEyes = .25;    // of a clip's frames have pupils darker than what is usual in open eyes
 constexpr double kLevel = .25;       // rad
 constexpr double kFrontal = .1, kMouthFrontal = .12;  // pupil distances off the middle
 constexpr double kSmooth =
@@ -115,22 +117,31 @@ double beyond(double value, const AtRest& rest) {
     return std::exp(-.5 * off * off);
 }
 
+/// Quantile of a sign over a clip's frames.
+double quantile_of(const std::vector<RestSigns>& frames, double RestSigns::* sign, double share) {
+    std::vector<double> values;
+    values.reserve(frames.size());
+    for (const RestSigns& signs : frames) {
+        values.push_back(signs.*sign);
+    }
+    return quantile(std::move(values), share);
+}
+
 /// By what all contrasts of a clip's frames are multiplied, beyond what smiles add; 1 at least. One contrast
 /// alone may be this face's own, such as a beard's.
 double sharpening(const std::vector<RestSigns>& frames) {
-    if (frames.empty()) {
-        return 1;
-    }
     std::vector<double> shares;
+    shares.reserve(std::size(kContrasts));
     for (const AtRest& contrast : kContrasts) {
-        std::vector<double> values;
-        values.reserve(frames.size());
-        for (const RestSigns& signs : frames) {
-            values.push_back(signs.*contrast.sign);
-        }
-        shares.push_back(quantile(values, kLeastAtRest) / contrast.usual);
+        shares.push_back(quantile_of(frames, contrast.sign, kLeastAtRest) / contrast.usual);
     }
-    return std::max(1., median(shares) / kSmiles);
+    return std::max(1., median(std::move(shares)) / kSmiles);
+}
+
+/// The upper limit of the pupils' brightness in open eyes, which a clip's darker ones show.
+AtRest open_pupils(const std::vector<RestSigns>& frames) {
+    const double usual = quantile_of(frames, kPupils.sign, kOpenEyes);
+    return {kPupils.sign, std::max(kPupils.usual, usual), kPupils.spread};
 }
 
 /// Which of a clip's frames determine the usual expression.
@@ -216,10 +227,14 @@ RestSigns rest_signs(ColorView image, const FaceFeatures& face) {
 }
 
 Eigen::VectorXd rest_scores(const std::vector<RestSigns>& frames) {
+    if (frames.empty()) {
+        return {};
+    }
     const double sharpened = sharpening(frames);
+    const AtRest pupils = open_pupils(frames);
     Eigen::VectorXd scores(static_cast<Eigen::Index>(frames.size()));
-    std::transform(frames.begin(), frames.end(), scores.begin(), [sharpened](const RestSigns& signs) {
-        double score = signs.frontal * beyond(signs.pupil_brightness, kPupils);
+    std::transform(frames.begin(), frames.end(), scores.begin(), [&](const RestSigns& signs) {
+        double score = signs.frontal * beyond(signs.pupil_brightness, pupils);
         for (const AtRest& contrast : kContrasts) {
             score *= beyond(signs.*contrast.sign / sharpened, contrast);
         }

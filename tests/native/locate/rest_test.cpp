@@ -82,6 +82,17 @@ TEST(Rest, ASmileThatLastsAndOneContrastAloneAreNotSharpening) {
     }
 }
 
+/// Beside dark skin open eyes are as bright as half-shut ones are beside fair skin.
+TEST(Rest, OpenEyesAreToldBesideDarkSkin) {
+    const auto with_pupils = [](double brightness) { return RestSigns{.9, .13, .09, .09, brightness}; };
+    const RestSigns open = with_pupils(.55), shut = with_pupils(.85), dark = with_pupils(.3);
+    const Eigen::VectorXd scores = rest_scores({open, shut, open, shut, open, shut});
+    EXPECT_GT(scores[0], .5);
+    EXPECT_LT(scores[1], .01 * scores[0]);
+    const Eigen::VectorXd beside_dark_pupils = rest_scores({open, dark, dark});
+    EXPECT_LT(beside_dark_pupils[0], .1 * beside_dark_pupils[1]);
+}
+
 TEST(Rest, ExpressionIsMeasuredInPupilDistances) {
     const Expression values = expression_of(some_face());
     EXPECT_NEAR(values[0], -19. / 60, 1e-12);  // the left brow's median
