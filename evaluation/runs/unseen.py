@@ -7,9 +7,10 @@
 Nothing is marked on these clips. Each is captured, and shown to MediaPipe's mesh with refined
 landmarks: two ways to see the same face that have little in common but the networks for eyes and
 lips. Printed are the frames that are held, the correlation of how far lids and lips are apart, how
-high the mouth's corners are and how wide it is, and what stays between the two when the clip's
-median difference is taken away, in % of the interpupillary distance. What differs is wrong in one
-of the two, and worth a look.
+high the mouth's corners are and how wide it is, how far lids and lips move for what they move in
+the mesh (the slope of ours on the mesh's), and what stays between the two when the clip's median
+difference is taken away, in % of the interpupillary distance. What differs is wrong in one of the
+two, and worth a look.
 """
 
 from __future__ import annotations
@@ -36,10 +37,12 @@ from evaluation.runs.rendered import CHECKOUT
 FOLDER = CHECKOUT / "build" / "footage" / "more"
 CLIPS = ("carphone_pristine", "obama_speech", "jwpIntro", "testMovie")
 WAYS = ("lids", "lips", "corners", "width")
+OPENINGS = WAYS[:2]
 COLUMNS = {
     "frames": ("frames", ".0f"),
     "held": ("held", ".0f"),
     **{f"{way} r": (f"{way} r", ".2f") for way in WAYS},
+    **{f"{way} slope": (f"{way} slope", ".2f") for way in OPENINGS},
     **{f"{way} left": (f"{way} left", ".1f") for way in WAYS},
 }
 
@@ -78,6 +81,12 @@ def correlation(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
     return float(np.corrcoef(a, b)[0, 1]) if min(np.ptp(a), np.ptp(b)) > 0 else math.nan
 
 
+def slope(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    """Of N values on N others; nan where these do not move."""
+    away = b - b.mean()
+    return float(away @ a / (away @ away)) if np.ptp(b) > 0 else math.nan
+
+
 def compared(ours: NDArray[np.float64], mesh: NDArray[np.float64]) -> dict[str, float]:
     """Figures of one clip: N x POINTS x 2 each, pixels; nan where one of them sees no face."""
     figures: dict[str, float] = {}
@@ -89,6 +98,8 @@ def compared(ours: NDArray[np.float64], mesh: NDArray[np.float64]) -> dict[str, 
             continue
         pairs = list(zip(values[seen].T, other[seen].T, strict=True))
         figures[f"{way} r"] = float(np.mean([correlation(a, b) for a, b in pairs]))
+        if way in OPENINGS:
+            figures[f"{way} slope"] = float(np.mean([slope(a, b) for a, b in pairs]))
         away = [a - b - np.median(a - b) for a, b in pairs]
         figures[f"{way} left"] = float(np.median(np.abs(away)))
     return figures

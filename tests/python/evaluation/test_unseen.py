@@ -51,6 +51,18 @@ def test_an_offset_counts_for_nothing_and_a_lid_that_stays_for_much():
     assert figures["lids left"] > 1 and np.isnan(figures["lids r"])
 
 
+def test_the_slope_tells_a_mouth_that_opens_half_as_far():
+    mesh = face()
+    ours = mesh.copy()
+    for edge in ("upper", "lower"):
+        ours[:, AT[f"lip_inner_{edge}"]] = (mesh[0] + (mesh - mesh[0]) / 2)[
+            :, AT[f"lip_inner_{edge}"]
+        ]
+    figures = unseen.compared(ours, mesh)
+    assert figures["lips slope"] == pytest.approx(0.5)
+    assert figures["lids slope"] == pytest.approx(1)
+
+
 def test_without_frames_in_common_there_are_no_figures():
     assert unseen.compared(np.full((20, len(POINTS), 2), np.nan), face()) == {}
 
