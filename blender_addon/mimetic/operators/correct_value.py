@@ -46,7 +46,7 @@ class ValueSliders:
         description="0: at rest, 1: in full",
     )
     as_signed: _slider(
-        (-1.0, 1.0),
+        (-1.6, 1.0),  # how far lips are drawn off the slit
         (-1.0, 1.0),
         subtype="FACTOR",
         precision=3,

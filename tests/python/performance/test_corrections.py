@@ -5,11 +5,13 @@ import json
 import numpy as np
 import pytest
 from mimetic import InvalidInput
+from mimetic.muscles.extras import lip_rows
 from mimetic.performance.corrections import (
     check_corrections,
     corrected_frames,
     corrections_from,
     from_texts,
+    limits_of,
     load_corrections,
     save_corrections,
     texts_of,
@@ -116,6 +118,11 @@ def test_a_performance_keeps_what_was_corrected(tmp_path):
     assert texts_of(from_texts(again.corrections)) == texts
     with pytest.raises(InvalidInput, match="not JSON"):
         make_performance(corrections=["{"])
+
+
+def test_lips_may_be_stated_as_far_as_a_capture_moves_them():
+    for row in lip_rows():
+        assert limits_of(row["name"]) == tuple(row["limits"])
 
 
 def test_the_strip_marks_corrected_frames():

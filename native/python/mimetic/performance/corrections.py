@@ -33,6 +33,7 @@ GAP_STD = 3e-4  # metres
 LIP_GAP = "lip_gap"  # beside the names of values
 # Lowest and highest value, usual standard deviation
 GAP_LIMITS, VALUE_LIMITS = (-0.05, 0.1), (-1.0, 1.0)
+CLOSING_LIMITS = (-1.6, 1.0)  # of lips to the slit, and off it
 GAZE_LIMITS, GAZE_STD = (-50.0, 50.0), 1.0  # degrees
 LARGEST_STD = 1e4
 ROUNDING = 1e-4  # of weights that sum to 1, of a rotation
@@ -106,6 +107,8 @@ def limits_of(name: str) -> tuple[float, float]:
     """Lowest and highest value that may be stated of a muscle, an articulator, the lips' gap."""
     if name == LIP_GAP:
         return GAP_LIMITS
+    if name.startswith("oris_close_"):
+        return CLOSING_LIMITS
     return GAZE_LIMITS if name in GAZE else VALUE_LIMITS
 
 
