@@ -139,7 +139,7 @@ def test_the_gaze_is_kept_whole_or_not_at_all():
 def test_lips_and_air_have_the_ranges_of_their_sliders():
     names = ["zygomaticus_major.L", "oris_close_upper", "air_cheek.L", "jaw_open", "gaze_yaw.L"]
     lowest, highest = limits_of(names, names[:1])
-    assert lowest.tolist() == [0, -0.5, -0.5, 0, -90]
+    assert lowest.tolist() == [0, -1.6, -0.5, 0, -90]
     assert highest.tolist() == [1, 1, 1, 1, 90]
 
 
