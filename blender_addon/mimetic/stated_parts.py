@@ -13,6 +13,7 @@ VALUE_TEXTS = {
     "gap": "{name} {value:.1f} mm",
     "angle": "{name} {value:.1f}\N{DEGREE SIGN}",
     "signed": "{name} {value:+.2f}",
+    "closing": "{name} {value:+.2f}",
     "share": "{name} {value:.2f}",
 }
 

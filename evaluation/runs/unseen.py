@@ -36,8 +36,8 @@ from evaluation.runs.rendered import CHECKOUT
 
 FOLDER = CHECKOUT / "build" / "footage" / "more"
 CLIPS = ("carphone_pristine", "obama_speech", "jwpIntro", "testMovie")
-WAYS = ("lids", "lips", "corners", "width")
-OPENINGS = WAYS[:2]
+OPENINGS = ("lids", "lips")
+WAYS = (*OPENINGS, "corners", "width")
 COLUMNS = {
     "frames": ("frames", ".0f"),
     "held": ("held", ".0f"),
@@ -83,8 +83,7 @@ def correlation(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
 
 def slope(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
     """Of N values on N others; nan where these do not move."""
-    away = b - b.mean()
-    return float(away @ a / (away @ away)) if np.ptp(b) > 0 else math.nan
+    return float(np.polyfit(b, a, 1)[0]) if np.ptp(b) > 0 else math.nan
 
 
 def compared(ours: NDArray[np.float64], mesh: NDArray[np.float64]) -> dict[str, float]:

@@ -57,9 +57,9 @@ def is_idle() -> bool:
     return module("jobs").running is None
 
 
-def soon(condition: Callable[[], bool]) -> Steps:
-    """Waits two seconds at most for what may well not become true."""
-    for _ in range(20):
+def soon(condition: Callable[[], bool], seconds: float) -> Steps:
+    """Waits so long at most for what may well not become true."""
+    for _ in range(round(10 * seconds)):
         if condition():
             return
         yield 0.1
@@ -71,6 +71,7 @@ def drag(walk: Walk, name: str, pixels: int, is_held: bool = False) -> Steps:
     Where a slow screen has not drawn the view yet, the press meets nothing; as a user would, it
     is then tried again.
     """
+    is_dragging = module("editors").is_dragging
     for i in range(TRIES):
         area, region = area_of("VIEW_3D")[1], override("VIEW_3D")["region"]
         place = mark().matrix_world.translation
@@ -80,22 +81,19 @@ def drag(walk: Walk, name: str, pixels: int, is_held: bool = False) -> Steps:
         for share in (0.3, 0.6, 1):
             words += f" mousemove {x} {y + round(share * pixels)} sleep 0.2"
         yield from walk.ask(f"{name}-{i}.act", words)
-        yield from soon(module("editors").is_dragging)
-        if module("editors").is_dragging():
+        yield from soon(is_dragging, 2)
+        if is_dragging():
             break
         yield from walk.picture(f"{name}-{i}-missed")
         yield from walk.ask(f"{name}-{i}-let-go.act", "mouseup 1")
     where = f"at {x}, {y} after {i + 1} tries, selected: {bpy.context.selected_objects}"
-    walk.check(f"{name}: the landmark is dragged", module("editors").is_dragging(), where)
+    walk.check(f"{name}: the landmark is dragged", is_dragging(), where)
     if not is_held:
         yield from walk.ask(f"{name}-let-go.act", "mouseup 1")
 
 
 def nothing_begins(walk: Walk, claim: str) -> Steps:
-    for _ in range(8):
-        if not is_idle():
-            break
-        yield STILL / 8
+    yield from soon(lambda: not is_idle(), STILL)
     walk.check(claim, is_idle())
 
 

@@ -46,11 +46,18 @@ class ValueSliders:
         description="0: at rest, 1: in full",
     )
     as_signed: _slider(
-        (-1.6, 1.0),  # how far lips are drawn off the slit
+        (-1.0, 1.0),
         (-1.0, 1.0),
         subtype="FACTOR",
         precision=3,
         description="0: at rest, 1: in full, below 0 the other way: a lid that is wide open",
+    )
+    as_closing: _slider(
+        (-1.6, 1.0),
+        (-1.6, 1.0),
+        subtype="FACTOR",
+        precision=3,
+        description="0: at rest, 1: pressed to the slit, below 0 off it",
     )
     as_angle: _slider(
         (-FAR_GAZE, FAR_GAZE),

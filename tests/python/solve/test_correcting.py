@@ -133,3 +133,4 @@ def test_each_value_has_its_unit(person):
     assert kinds["lip_gap"] == "gap" and kinds["gaze_pitch.R"] == "angle"
     assert kinds["jaw_open"] == kinds[MUSCLE] == "share"
     assert kinds["jaw_side"] == kinds[LID] == "signed"
+    assert correcting.kind_of("oris_close_upper") == "closing"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.muscles.extras import articulator_limits
+from mimetic.muscles.extras import LIP_CLOSING, articulator_limits
 from mimetic.performance.corrections import (
     LIP_GAP,
     ROTATION_STD,
@@ -201,11 +201,14 @@ def pinned_at(corrections: Corrections, frame: int, name: str) -> Pinned | None:
 
 
 def kind_of(name: str) -> str:
-    """What a value is: `share`, `signed` (below 0 too), `angle` in degrees, `gap` in metres."""
+    """What a value is: `share`, `signed` (below 0 too), `closing` (a lip's way to the slit or off
+    it), `angle` in degrees, `gap` in metres."""
     if name == LIP_GAP:
         return "gap"
     if name in GAZE:
         return "angle"
+    if name in LIP_CLOSING:
+        return "closing"
     lowest, _ = articulator_limits().get(name, (0.0, 1.0))
     return "signed" if lowest < 0 else "share"
 
