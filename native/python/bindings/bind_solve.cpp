@@ -162,9 +162,10 @@ void bind_estimate(py::module_& m) {
         .def_readonly("held", &FrameEstimate::held, "nothing was measured: repeats the last good state")
         .def_readonly("found_again", &FrameEstimate::found_again,
                       "from search or a guess, not tracked: it may be another face")
-        .def_readonly("covered", &FrameEstimate::covered,
-                      "0 to 1: share of what is measured of the face that something is before, which was not "
-                      "before\nit in the reference frame")
+        .def_readonly(
+            "covered", &FrameEstimate::covered,
+            "0 to 1: share of what is measured of the face, and turned to the camera, that something is "
+            "before,\nwhich was not before it in the reference frame")
         .def_readonly("num_samples", &FrameEstimate::num_samples)
         .def_readonly("num_explained", &FrameEstimate::num_explained)
         .def_readonly("residual_px", &FrameEstimate::residual_px)

@@ -24,9 +24,6 @@ constexpr double kFinest = .7;
 constexpr double kBroadest = 2.5;
 constexpr float kBareDetail = 30;
 
-/// The odd number of pixels next to a length.
-int odd(double pixels) { return 2 * static_cast<int>(std::lround((pixels - 1) / 2)) + 1; }
-
 /// Mean products to correlations, given the mean squares of both. bare: mean square that noise alone reaches.
 void normalise(cv::Mat1f& products, const cv::Mat1f& squares, const cv::Mat1f& other_squares, float bare) {
     for (int y = 0; y < products.rows; ++y) {
@@ -37,6 +34,8 @@ void normalise(cv::Mat1f& products, const cv::Mat1f& squares, const cv::Mat1f& o
 }
 
 }  // namespace
+
+int odd(double pixels) { return 2 * static_cast<int>(std::lround((pixels - 1) / 2)) + 1; }
 
 Likeness::Likeness(double face_height)
     : face_height_(face_height),

@@ -5,6 +5,9 @@
 
 namespace mimetic {
 
+/// The odd number of pixels next to a length: of a window with a pixel in its middle.
+int odd(double pixels);
+
 /// How a picture compares with a reference texture.
 struct Look {
     double alike = 0;   ///< share of the visible texture that matches, patch by patch; 0 to 1

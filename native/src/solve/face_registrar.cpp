@@ -119,7 +119,7 @@ void FaceRegistrar::measure(const FaceState& state, FrameAtHand& frame, bool is_
             const StageClock clock(frame.times.warp_ms);
             visible = sight_.visible(*view, projected, state);
             view->stabilise(face_.surface.triangles(), projected, frame.prepared, map_, stabilised_,
-                            /*without_rims=*/true);
+                            /*for_flow=*/true);
         }
         const StageClock clock(frame.times.flow_ms);
         const double angle = view_angle(view->camera_from_head(), state.camera_from_head);
@@ -185,9 +185,12 @@ double FaceRegistrar::alike_behind_cover(const FaceState& state, FrameAtHand& fr
     ProjectedSurface projected;
     projected.update(face_.surface, face_.camera, state.camera_from_head, state.values);
     ReferenceView& view = *views_.near(state.camera_from_head).front();
+    const Triangles& triangles = face_.surface.triangles();
+    const Eigen::Vector3f eye = eye_in_head(state);
     std::vector<const ReferenceSample*> behind;
     for (const ReferenceSample& sample : view.samples()) {
-        if (cover_.came(place_of(sample, face_.surface.triangles(), projected).cast<double>())) {
+        if (turned_to_camera(sample, triangles, projected, eye) > 0 &&
+            cover_.came(place_of(sample, triangles, projected).cast<double>())) {
             behind.push_back(&sample);
         }
     }

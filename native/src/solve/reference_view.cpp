@@ -12,7 +12,9 @@ namespace {
 
 constexpr int kMargin = 8;           // crop pixels round the skin
 constexpr float kMinimumSkin = .5f;  // vertex weight from which a pixel counts as skin
-constexpr int kNormaliserWindow = 25;
+constexpr int kFlowWindow = 25;      // crop pixels: of 37, the same share of a face of 300, flow errs more
+// Of the face's height: how alike two textures are must not hang on how fine they are
+constexpr double kComparedWindow = .125;
 constexpr double kNearest = .02;      // metres before the camera
 constexpr double kRimWidth = 3.5e-3;  // metres to each side that a rim of glasses may cover
 constexpr double kRimReach = 6e-3;    // and the flow's patches on it
@@ -128,11 +130,14 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, c
             }
         }
     }
-    normaliser_ = std::make_unique<LocalNormaliser>(mask_, kNormaliserWindow);
-    if (!surface.rims().empty()) {
+    const int compared_window = odd(kComparedWindow * crop_height);
+    normaliser_ = std::make_unique<LocalNormaliser>(mask_, compared_window);
+    if (compared_window != kFlowWindow || !surface.rims().empty()) {
         cv::Mat1b skin = mask_.clone();
-        skin.setTo(0, rims_drawn(surface.rims(), camera, kRimWidth));
-        skin_normaliser_ = std::make_unique<LocalNormaliser>(skin, kNormaliserWindow);
+        if (!surface.rims().empty()) {
+            skin.setTo(0, rims_drawn(surface.rims(), camera, kRimWidth));
+        }
+        flow_normaliser_ = std::make_unique<LocalNormaliser>(skin, kFlowWindow);
     }
     PreparedFrame frame;
     frame.update(gray, scale_);
@@ -140,8 +145,8 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, c
     cv::Mat1f texture;
     stabilise(surface.triangles(), projected, frame, map, texture);
     texture_ = ReferenceTexture(texture);
-    if (skin_normaliser_) {
-        skin_normaliser_->apply(raw_, skin_texture_);
+    if (flow_normaliser_) {
+        flow_normaliser_->apply(raw_, flow_texture_);
     }
     choose_samples(surface, projected, spacing, rims_drawn(surface.rims(), camera, kRimReach));
     blur_modes(flow_blur);
@@ -173,8 +178,7 @@ void ReferenceView::keep_detail(const Eigen::VectorXd& coefficients) {
 }
 
 void ReferenceView::stabilise(const Triangles& triangles, const ProjectedSurface& projected,
-                              const PreparedFrame& frame, cv::Mat2f& map, cv::Mat1f& texture,
-                              bool without_rims) {
+                              const PreparedFrame& frame, cv::Mat2f& map, cv::Mat1f& texture, bool for_flow) {
     map.create(triangle_.size());
     scaled_map_.create(triangle_.size());
     const auto scale = static_cast<float>(frame.scale);
@@ -209,7 +213,7 @@ void ReferenceView::stabilise(const Triangles& triangles, const ProjectedSurface
     cv::remap(frame.gray, fetched, scaled_map_, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
     fetched.convertTo(raw_, CV_32F);
     cv::GaussianBlur(raw_, raw_, {3, 3}, .7);
-    (without_rims && skin_normaliser_ ? skin_normaliser_ : normaliser_)->apply(raw_, texture);
+    (for_flow && flow_normaliser_ ? flow_normaliser_ : normaliser_)->apply(raw_, texture);
 }
 
 void ReferenceView::choose_samples(const FaceSurface& surface, const ProjectedSurface& projected, int spacing,

@@ -59,18 +59,20 @@ public:
     void keep_detail(const Eigen::VectorXd& coefficients);
 
     /// Fetches the texture of a frame under the hypothesis `projected`; map: frame pixel of each crop pixel.
-    /// without_rims: of glasses, as `skin_texture` is.
+    /// for_flow: as `flow_texture` is, otherwise as `texture`.
     void stabilise(const Triangles& triangles, const ProjectedSurface& projected, const PreparedFrame& frame,
-                   cv::Mat2f& map, cv::Mat1f& texture, bool without_rims = false);
+                   cv::Mat2f& map, cv::Mat1f& texture, bool for_flow = false);
 
     /// Of each pixel of the texture: of a sample its weight times how well it is seen (visible, of each
     /// sample).
     cv::Mat1f sample_weights(const std::vector<float>& visible) const;
 
     const Eigen::Isometry3d& camera_from_head() const { return camera_from_head_; }
+    /// The texture to compare others with.
     const ReferenceTexture& texture() const { return texture_; }
-    /// The texture without the rims of glasses, whose contrast would drown that of the skin about them.
-    const cv::Mat1f& skin_texture() const { return skin_normaliser_ ? skin_texture_ : texture_.values(); }
+    /// The texture that flow is measured from: without the rims of glasses, whose contrast would drown that
+    /// of the skin about them.
+    const cv::Mat1f& flow_texture() const { return flow_normaliser_ ? flow_texture_ : texture_.values(); }
     const cv::Mat1b& mask() const { return mask_; }
     const std::vector<ReferenceSample>& samples() const { return samples_; }
     double scale() const { return scale_; }  ///< crop pixels an image pixel
@@ -92,8 +94,8 @@ private:
     ReferenceTexture texture_;
     std::vector<ReferenceSample> samples_;
     std::unique_ptr<LocalNormaliser> normaliser_;
-    std::unique_ptr<LocalNormaliser> skin_normaliser_;  // none: there are no rims
-    cv::Mat1f skin_texture_;
+    std::unique_ptr<LocalNormaliser> flow_normaliser_;  // none: it would be the same
+    cv::Mat1f flow_texture_;
     cv::Mat1f raw_;
     cv::Mat2f scaled_map_;
 };

@@ -16,6 +16,21 @@ double depth_change(const Eigen::Isometry3d& before, const Eigen::Isometry3d& af
 
 }  // namespace
 
+float turned_to_camera(const ReferenceSample& sample, const Triangles& triangles,
+                       const ProjectedSurface& projected, const Eigen::Vector3f& eye) {
+    const auto corners = triangles.row(sample.triangle);
+    const Eigen::Vector3f first = projected.points_in_head.row(corners[0]);
+    const Eigen::Vector3f normal = (projected.points_in_head.row(corners[1]).transpose() - first)
+                                       .cross(projected.points_in_head.row(corners[2]).transpose() - first)
+                                       .normalized();
+    constexpr float kGrazing = .2F;
+    return std::clamp((normal.dot((eye - first).normalized()) - kGrazing) / .3F, 0.F, 1.F);
+}
+
+Eigen::Vector3f eye_in_head(const FaceState& state) {
+    return state.camera_from_head.inverse().translation().cast<float>();
+}
+
 void Sight::draw(const ProjectedSurface& projected, const FaceState& state, double face_height) {
     constexpr int kRasterHeight = 80;  // of the face
     const Eigen::Vector2d head = face_.camera.project(state.camera_from_head.translation());
@@ -34,19 +49,12 @@ void Sight::follow(const ProjectedSurface& projected, const FaceState& state, do
 
 std::vector<float> Sight::visible(const ReferenceView& view, const ProjectedSurface& projected,
                                   const FaceState& state) const {
-    const Eigen::Vector3f eye = (state.camera_from_head.inverse().translation()).cast<float>();
+    const Eigen::Vector3f eye = eye_in_head(state);
     std::vector<float> visible(view.samples().size());
     for (std::size_t k = 0; k < visible.size(); ++k) {
         const ReferenceSample& sample = view.samples()[k];
         const auto corners = face_.surface.triangles().row(sample.triangle);
-        const Eigen::Vector3f first = projected.points_in_head.row(corners[0]);
-        const Eigen::Vector3f normal =
-            (projected.points_in_head.row(corners[1]).transpose() - first)
-                .cross(projected.points_in_head.row(corners[2]).transpose() - first)
-                .normalized();
-        constexpr float kGrazing = .2f;
-        const float frontality = normal.dot((eye - first).normalized());
-        visible[k] = std::clamp((frontality - kGrazing) / .3f, 0.f, 1.f);
+        visible[k] = turned_to_camera(sample, face_.surface.triangles(), projected, eye);
         const Eigen::Vector2f pixel = projected.pixels.row(corners[0]);
         if (pixel.x() < 1 || pixel.y() < 1 || pixel.x() > static_cast<float>(face_.camera.width - 2) ||
             pixel.y() > static_cast<float>(face_.camera.height - 2)) {

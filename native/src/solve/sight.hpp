@@ -5,6 +5,14 @@
 
 namespace mimetic {
 
+/// 0 to 1: how far the skin of a sample is turned to the camera, 0 where it is seen aslant or from behind.
+/// eye: the camera's place, head frame.
+float turned_to_camera(const ReferenceSample& sample, const Triangles& triangles,
+                       const ProjectedSurface& projected, const Eigen::Vector3f& eye);
+
+/// The camera's place, metres, head frame.
+Eigen::Vector3f eye_in_head(const FaceState& state);
+
 /// Visibility of the skin under a hypothesis.
 class Sight {
 public:

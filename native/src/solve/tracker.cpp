@@ -113,7 +113,7 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
     now.is_lost = is_lost;
     Hidden hidden;
     if (!is_lost) {
-        hidden = hidden_by_cover(found.measured.projected);
+        hidden = hidden_by_cover(found.state, found.measured.projected);
         estimate.covered = hidden.came;
         estimate.irises = features.irises();
         estimate.found_again = recognition.has_trial_begun();
@@ -142,23 +142,28 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
     return estimate;
 }
 
-/// How much of the face is hidden, and of what the values move.
-FaceTracker::State::Hidden FaceTracker::State::hidden_by_cover(const ProjectedSurface& projected) const {
+/// How much is hidden of the face that is turned to the camera, and of what the values move. Beside a face
+/// that is turned away, where its far cheek would be, nothing is hidden.
+FaceTracker::State::Hidden FaceTracker::State::hidden_by_cover(const FaceState& state,
+                                                               const ProjectedSurface& projected) const {
     Hidden hidden{0, 0, Eigen::ArrayXd::Zero(face.num_values())};
     if (!cover.hides_any()) {
         return hidden;
     }
     Eigen::ArrayXd moved = Eigen::ArrayXd::Constant(face.num_values(), 1e-12);
     double measured = 0;
+    const Triangles& triangles = face.surface.triangles();
+    const Eigen::Vector3f eye = eye_in_head(state);
     for (const ReferenceSample& sample : views.first().samples()) {
-        const Eigen::Vector2d pixel = place_of(sample, face.surface.triangles(), projected).cast<double>();
+        const Eigen::Vector2d pixel = place_of(sample, triangles, projected).cast<double>();
+        const double seen = sample.weight * turned_to_camera(sample, triangles, projected, eye);
         const Eigen::ArrayXd energy =
-            sample.weight * sample.skin.modes.colwise().squaredNorm().transpose().cast<double>().array();
-        measured += sample.weight;
+            seen * sample.skin.modes.colwise().squaredNorm().transpose().cast<double>().array();
+        measured += seen;
         moved += energy;
         const bool has_come = cover.came(pixel);
-        hidden.came += has_come ? sample.weight : 0;
-        hidden.at_all += has_come || cover.stands(pixel) ? sample.weight : 0;
+        hidden.came += has_come ? seen : 0;
+        hidden.at_all += has_come || cover.stands(pixel) ? seen : 0;
         if (cover.hides(pixel)) {
             hidden.of_values += energy;
         }

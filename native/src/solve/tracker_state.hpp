@@ -26,11 +26,12 @@ struct FaceTracker::State {
     void look_for_cover(const FaceState& state, FrameAtHand& frame);
 
     struct Hidden {
-        double came = 0;           ///< share of the measured face before which something came
+        // Of what is measured and turned to the camera:
+        double came = 0;           ///< share before which something came
         double at_all = 0;         ///< share before which something came or stands still
         Eigen::ArrayXd of_values;  ///< M: share of the motion by each value that is hidden
     };
-    Hidden hidden_by_cover(const ProjectedSurface& projected) const;
+    Hidden hidden_by_cover(const FaceState& state, const ProjectedSurface& projected) const;
     void learn_depth(const Expectation& expected, const Registration& found, DepthErrors& depth_errors) const;
 
     TrackedFace face;

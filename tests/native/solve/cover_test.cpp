@@ -27,6 +27,14 @@ public:
     }
 };
 
+/// From a frame before which nothing is.
+FaceTracker tracker_of(const FaceScene& scene, Watched& watched) {
+    FeatureInputs inputs;
+    inputs.occlusion = watched.source();
+    const auto reference = scene.render(scene.camera_from_head, scene.rest());
+    return {scene.camera, scene.surface, scene.motion, scene.view(reference), scene.camera_from_head, inputs};
+}
+
 const Eigen::Vector2d kLeft(100, 119.5), kRight(219, 119.5);  // pixels
 const Eigen::Isometry3d kSomewhere = Eigen::Isometry3d::Identity();
 
@@ -142,11 +150,7 @@ TEST(Cover, LeavesOutTheOpeningThatItHides) {
 TEST(Cover, IsNotBelievedWhereTheFaceIsSeen) {
     const FaceScene scene;
     Watched watched;
-    FeatureInputs inputs;
-    inputs.occlusion = watched.source();
-    const auto reference = scene.render(scene.camera_from_head, scene.rest());
-    FaceTracker tracker(scene.camera, scene.surface, scene.motion, scene.view(reference),
-                        scene.camera_from_head, inputs);
+    FaceTracker tracker = tracker_of(scene, watched);
     watched.cells.leftCols(kSide / 2).setOnes();
     Eigen::VectorXd values = scene.rest();
     values[2] = .5;
@@ -167,6 +171,30 @@ TEST(Cover, IsNotBelievedWhereTheFaceIsSeen) {
     const Eigen::VectorXd wider = hidden.values_std().cwiseQuotient(bare.values_std());
     EXPECT_GT(wider[2], 1.5);
     EXPECT_LT(wider[1], .7 * wider[2]);  // a brow of the other side
+}
+
+/// Beside a face that is turned away, where its far cheek would be, is what is behind it.
+TEST(Cover, HidesNoSkinThatIsTurnedAway) {
+    const FaceScene scene;
+    Watched watched;
+    FaceTracker tracker = tracker_of(scene, watched);
+    FrameEstimate turned;
+    for (const double yaw : {.1, .2, .3, .4, .5, .6, .7, .8}) {
+        Eigen::Isometry3d pose = scene.camera_from_head;
+        pose.rotate(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()));
+        double outline = 0;  // pixels from the left, of the far cheek
+        for (const Eigen::Vector3d point : scene.motion.neutral.rowwise()) {
+            outline = std::max(outline, scene.camera.project(pose * point).x());
+        }
+        for (int column = 0; column < kSide; ++column) {
+            const double middle =
+                watched.square.center.x() + watched.square.side * ((column + .5) / kSide - .5);
+            watched.cells.col(column).setConstant(middle > outline - 7 ? 1.F : 0.F);
+        }
+        turned = tracker.advance(scene.view(scene.render(pose, scene.rest(), 2, 1, 0, 3)));
+        EXPECT_FALSE(turned.held);
+    }
+    EXPECT_LT(turned.covered, .05);
 }
 
 }  // namespace

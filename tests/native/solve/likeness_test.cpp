@@ -44,8 +44,8 @@ protected:
         return by.compare(view.texture(), texture, view.sample_weights(visible)).alike;
     }
 
-    /// Share of the detail that a picture has kept, by textures in which the face has so many pixels.
-    double detail_kept(const cv::Mat1b& grey, int face_height) {
+    /// By textures in which the face has so many pixels.
+    Look look_at(const cv::Mat1b& grey, int face_height) {
         const cv::Mat1b own = grey_of(scene, scene.render(at.camera_from_head, at.values));
         ReferenceView texture_of_its_size(surface, scene.camera, at, own, face_height, 4, 2);
         PreparedFrame frame;
@@ -55,8 +55,7 @@ protected:
         texture_of_its_size.stabilise(surface.triangles(), projected, frame, map, texture);
         const std::vector<float> all(texture_of_its_size.samples().size(), 1);
         return Likeness(face_height)
-            .compare(texture_of_its_size.texture(), texture, texture_of_its_size.sample_weights(all))
-            .detail;
+            .compare(texture_of_its_size.texture(), texture, texture_of_its_size.sample_weights(all));
     }
 
     FaceScene scene;
@@ -100,10 +99,21 @@ TEST_F(LikenessTest, DetailIsOfTheFootageHoweverMuchATextureMagnifiesIt) {
     cv::Mat1f noise(grey.size());
     cv::RNG(3).fill(noise, cv::RNG::NORMAL, 0, 12);
     cv::add(grey, noise, grey, cv::noArray(), CV_8U);
-    const double kept = detail_kept(grey, 200);
+    const double kept = look_at(grey, 200).detail;
     EXPECT_LT(kept, .9);
-    EXPECT_NEAR(detail_kept(grey, 300), kept, .05);
-    EXPECT_NEAR(detail_kept(grey, 400), kept, .05);
+    EXPECT_NEAR(look_at(grey, 300).detail, kept, .05);
+    EXPECT_NEAR(look_at(grey, 400).detail, kept, .05);
+}
+
+TEST_F(LikenessTest, IsTheSameByFinerTextures) {
+    const cv::Mat1b grey = grey_of(scene, scene.render(at.camera_from_head, at.values));
+    cv::Mat1b shifted;  // by some millimetres, as of a face whose shape is wrong
+    cv::warpAffine(grey, shifted, cv::Matx23f(1, 0, 3, 0, 1, 3), grey.size());
+    const double alike = look_at(shifted, 200).alike;
+    EXPECT_GT(alike, .1);
+    EXPECT_LT(alike, .9);
+    EXPECT_NEAR(look_at(shifted, 300).alike, alike, .05);
+    EXPECT_NEAR(look_at(shifted, 400).alike, alike, .05);
 }
 
 TEST_F(LikenessTest, IsNoneWhereNothingIsInSight) {

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Footage whose face holds what is fine is measured finely, other footage is not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from clips import ffmpeg
@@ -80,13 +82,26 @@ def test_another_scene_does_not_count(rendered_clip, fit, tmp_path):
     assert of_footage(fine_contrast, cut, fit) == pytest.approx(alone, rel=0.2)
 
 
-def test_the_last_frame_is_judged_alone(rendered_clip, fit, tmp_path):
-    path = another(rendered_clip, tmp_path / "short.mp4", "-crf", 16, "-frames:v", fit.frame)
+@pytest.mark.parametrize(
+    ("before", "texture"), [("null", FINE), ("gblur=3:enable='lt(n,2)'", COARSE)]
+)
+def test_frames_before_the_fits_tell_too(rendered_clip, fit, tmp_path, before, texture):
+    """After it a head may turn too fast to be compared; at a clip's end there are no others."""
+    path = another(
+        *(rendered_clip, tmp_path / "end.mp4", "-crf", 4, "-frames:v", fit.frame),
+        filters=before,
+    )
+    assert texture_of(path, fit) == texture
+
+
+def test_a_single_frame_is_judged_alone(rendered_clip, fit, tmp_path):
+    path = another(rendered_clip, tmp_path / "one.mp4", "-crf", 16, "-frames:v", 1)
+    fit = replace(fit, frame=1, views=[])
     template = load_template()
     skin = fit.neutral_vertices(template)[: template.num_skin_vertices]
     measured = skin[~template.in_region(*UNMEASURED)]
     points = measured @ fit.head_pose[:3, :3].T + fit.head_pose[:3, 3]
-    image = Footage(path).read(fit.frame)
+    image = Footage(path).read(1)
     assert of_footage(fine_contrast, path, fit) == pytest.approx(
         _core.fine_contrast(image, image, fit.camera, points, FINE[0])
     )

@@ -95,7 +95,7 @@ struct FrameEstimate {
     double residual_px = 0;      ///< median distance of used samples from the model, frame pixels
     double correlation = 0;      ///< mean normalised cross-correlation of the visible samples
     int num_views = 0;           ///< reference textures used
-    double covered = 0;          ///< share of what is measured of the face that something is before
+    double covered = 0;          ///< share of the measured face turned to the camera that something is before
     StageTimes times;
     Eigen::MatrixXd information;          ///< (6 + M) squared: of this frame's measurement alone
     Eigen::VectorXd gradient;             ///< 6 + M: of this frame's measurement, at the estimate

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.fit.fitting import FaceFit
+from mimetic.media.backward import frames_away
 from mimetic.media.cuts import of_one_scene
 from mimetic.media.footage import Footage
 from mimetic.solve.face_place import FacePlace
@@ -27,7 +28,9 @@ Image = NDArray[np.uint8]
 # "How finely a capture measures"
 COARSE, FINE = (200, 4), (300, 6)
 LEAST_FINE = 0.125  # contrast of the face from which on the finer texture is taken
-LOOKED_AT = 24  # frames: what is coded anew, and what is made of frames before
+# Pairs of frames round the fit's: what is coded anew, and what is made of frames before. After it
+# alone the head may turn so fast that flow brings little of what is fine back.
+LOOKED_AT = 24
 # Of how much the pictures change on the mean: one that changes less is shown again, with its noise
 SHOWN_AGAIN = 1 / 3
 
@@ -57,29 +60,34 @@ def fine_contrast(
     neutral: NDArray[np.float64],
     template: FaceTemplate,
 ) -> float:
-    """The mean of `_core.fine_contrast` over the fit's frame and those after it, of its scene.
+    """The mean of `_core.fine_contrast` over the frames round the fit's, of its scene.
 
-    Pictures that are shown again do not count; a frame without any after it is compared with
-    itself.
+    Each is compared with the one beside it that is farther from the fit's. Pictures that are shown
+    again do not count; a frame without any beside it is compared with itself.
     """
     measured = measured_skin(neutral, template)
     pose = np.asarray(fit.head_pose)
     face = measured @ pose[:3, :3].T + pose[:3, 3]
-    last = min(fit.frame + LOOKED_AT, footage.num_frames)
-    after = footage.frames(fit.frame + 1, last) if fit.frame < last else iter(())
-    of_scene = (image for _, image in of_one_scene(reference, after, FacePlace(fit).at(pose)))
-    pairs = itertools.pairwise(itertools.chain([reference], of_scene))
-    seen = [
-        (_core.fine_contrast(one, following, fit.camera, face, FINE[0]), _change(one, following))
-        for one, following in pairs
-    ]
+    first = max(1, min(fit.frame - LOOKED_AT // 2, footage.num_frames - LOOKED_AT))
+    seen = []
+    for end in (first, min(first + LOOKED_AT, footage.num_frames)):
+        beside = frames_away(footage, fit.frame, end)
+        of_scene = of_one_scene(reference, beside, FacePlace(fit).at(pose))
+        images = itertools.chain([reference], (image for _, image in of_scene))
+        seen += [
+            (
+                _core.fine_contrast(one, next_to_it, fit.camera, face, FINE[0]),
+                _change(one, next_to_it),
+            )
+            for one, next_to_it in itertools.pairwise(images)
+        ]
     if not seen:
         return _core.fine_contrast(reference, reference, fit.camera, face, FINE[0])
     least = SHOWN_AGAIN * fmean(change for _, change in seen)
     return fmean(contrast for contrast, change in seen if change >= least)
 
 
-def _change(one: Image, following: Image) -> float:
+def _change(one: Image, other: Image) -> float:
     """Of some of the pixels, noise and all: mean absolute difference, grey levels."""
     few = slice(None, None, 8), slice(None, None, 8)
-    return float(np.abs(following[few].astype(np.int16) - one[few]).mean())
+    return float(np.abs(other[few].astype(np.int16) - one[few]).mean())
