@@ -37,7 +37,7 @@ Registration FaceRegistrar::register_face(const Expectation& expected, const Fac
         return found;
     }
     Appearance seen = look_at(found.state, frame);
-    if (recognition.accepts(seen.look) && seen.look.alike < Recognition::kPlain) {
+    if (recognition.accepts(seen.look) && seen.alike_in_flow < Recognition::kPlain) {
         // An occluder moves independently: solve once more from the samples that are the face's.
         const FrameScore score = found.score;
         found = register_textures(expected, found.state, frame, seen.covered, {2, face_.num_unknowns()});
@@ -167,6 +167,13 @@ FaceRegistrar::Appearance FaceRegistrar::look_at(const FaceState& state, FrameAt
         const cv::Mat1f weights = view->sample_weights(visible);
         const Look one = likeness_.compare(view->texture(), stabilised_, weights);
         seen.look = {std::max(seen.look.alike, one.alike), std::max(seen.look.detail, one.detail)};
+        double alike_in_flow = one.alike;
+        if (view->has_finer_flow_texture()) {  // of what is broad, flow sees nothing
+            view->stabilise(face_.surface.triangles(), projected, frame.prepared, map_, stabilised_,
+                            /*for_flow=*/true);
+            alike_in_flow = likeness_.compare(view->flow_texture(), stabilised_, weights).alike;
+        }
+        seen.alike_in_flow = std::max(seen.alike_in_flow, alike_in_flow);
         for (const ReferenceSample& sample : view->samples()) {
             if (weights(sample.y, sample.x) == 0 ||
                 likeness_.correlations()(sample.y, sample.x) < Likeness::kAlike) {

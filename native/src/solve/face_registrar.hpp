@@ -87,7 +87,8 @@ private:
     };
 
     struct Appearance {
-        Look look;  // beside the reference texture that shows it best
+        Look look;                 // beside the reference texture that shows it best
+        double alike_in_flow = 0;  // share of the textures that flow is measured between that is alike
         Covered covered;
     };
 

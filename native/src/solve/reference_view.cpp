@@ -132,6 +132,7 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, c
     }
     const int compared_window = odd(kComparedWindow * crop_height);
     normaliser_ = std::make_unique<LocalNormaliser>(mask_, compared_window);
+    has_finer_flow_texture_ = compared_window > kFlowWindow;
     if (compared_window != kFlowWindow || !surface.rims().empty()) {
         cv::Mat1b skin = mask_.clone();
         if (!surface.rims().empty()) {
@@ -146,7 +147,8 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, c
     stabilise(surface.triangles(), projected, frame, map, texture);
     texture_ = ReferenceTexture(texture);
     if (flow_normaliser_) {
-        flow_normaliser_->apply(raw_, flow_texture_);
+        flow_normaliser_->apply(raw_, texture);
+        flow_texture_ = ReferenceTexture(texture);
     }
     choose_samples(surface, projected, spacing, rims_drawn(surface.rims(), camera, kRimReach));
     blur_modes(flow_blur);

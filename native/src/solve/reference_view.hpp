@@ -72,7 +72,9 @@ public:
     const ReferenceTexture& texture() const { return texture_; }
     /// The texture that flow is measured from: without the rims of glasses, whose contrast would drown that
     /// of the skin about them.
-    const cv::Mat1f& flow_texture() const { return flow_normaliser_ ? flow_texture_ : texture_.values(); }
+    const ReferenceTexture& flow_texture() const { return flow_normaliser_ ? flow_texture_ : texture_; }
+    /// Whether flow has more of what is fine: light is taken out over less of the face.
+    bool has_finer_flow_texture() const { return has_finer_flow_texture_; }
     const cv::Mat1b& mask() const { return mask_; }
     const std::vector<ReferenceSample>& samples() const { return samples_; }
     double scale() const { return scale_; }  ///< crop pixels an image pixel
@@ -95,7 +97,8 @@ private:
     std::vector<ReferenceSample> samples_;
     std::unique_ptr<LocalNormaliser> normaliser_;
     std::unique_ptr<LocalNormaliser> flow_normaliser_;  // none: it would be the same
-    cv::Mat1f flow_texture_;
+    bool has_finer_flow_texture_ = false;
+    ReferenceTexture flow_texture_;
     cv::Mat1f raw_;
     cv::Mat2f scaled_map_;
 };

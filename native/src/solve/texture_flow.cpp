@@ -67,12 +67,12 @@ void TextureFlow::measure(const ReferenceView& view, const cv::Mat2f& map, const
                           const std::vector<float>& visible, double view_angle_sine, bool first_guess,
                           std::vector<SampleMeasurement>& measurements) {
     options_.first_guess = first_guess;
-    view.flow_texture().convertTo(from_, CV_8U, 1, 128);
+    view.flow_texture().values().convertTo(from_, CV_8U, 1, 128);
     texture.convertTo(to_, CV_8U, 1, 128);
     const FlowField flow =
         compute_flow({from_.data, from_.rows, from_.cols, static_cast<std::ptrdiff_t>(from_.step)},
                      {to_.data, to_.rows, to_.cols, static_cast<std::ptrdiff_t>(to_.step)}, options_);
-    compare_patches(view.flow_texture(), texture, flow);
+    compare_patches(view.flow_texture().values(), texture, flow);
     constexpr float kBare = 300;  // normalised grey squared that noise alone reaches
     for (std::size_t k = 0; k < view.samples().size(); ++k) {
         const ReferenceSample& sample = view.samples()[k];
