@@ -169,8 +169,7 @@ FaceRegistrar::Appearance FaceRegistrar::look_at(const FaceState& state, FrameAt
         seen.look = {std::max(seen.look.alike, one.alike), std::max(seen.look.detail, one.detail)};
         double alike_in_flow = one.alike;
         if (view->has_finer_flow_texture()) {  // of what is broad, flow sees nothing
-            view->stabilise(face_.surface.triangles(), projected, frame.prepared, map_, stabilised_,
-                            /*for_flow=*/true);
+            view->normalise_for_flow(stabilised_);
             alike_in_flow = likeness_.compare(view->flow_texture(), stabilised_, weights).alike;
         }
         seen.alike_in_flow = std::max(seen.alike_in_flow, alike_in_flow);

@@ -147,7 +147,7 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, c
     stabilise(surface.triangles(), projected, frame, map, texture);
     texture_ = ReferenceTexture(texture);
     if (flow_normaliser_) {
-        flow_normaliser_->apply(raw_, texture);
+        normalise_for_flow(texture);
         flow_texture_ = ReferenceTexture(texture);
     }
     choose_samples(surface, projected, spacing, rims_drawn(surface.rims(), camera, kRimReach));
@@ -215,7 +215,15 @@ void ReferenceView::stabilise(const Triangles& triangles, const ProjectedSurface
     cv::remap(frame.gray, fetched, scaled_map_, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
     fetched.convertTo(raw_, CV_32F);
     cv::GaussianBlur(raw_, raw_, {3, 3}, .7);
-    (for_flow && flow_normaliser_ ? flow_normaliser_ : normaliser_)->apply(raw_, texture);
+    if (for_flow) {
+        normalise_for_flow(texture);
+    } else {
+        normaliser_->apply(raw_, texture);
+    }
+}
+
+void ReferenceView::normalise_for_flow(cv::Mat1f& texture) {
+    (flow_normaliser_ ? flow_normaliser_ : normaliser_)->apply(raw_, texture);
 }
 
 void ReferenceView::choose_samples(const FaceSurface& surface, const ProjectedSurface& projected, int spacing,

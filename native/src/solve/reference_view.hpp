@@ -62,6 +62,8 @@ public:
     /// for_flow: as `flow_texture` is, otherwise as `texture`.
     void stabilise(const Triangles& triangles, const ProjectedSurface& projected, const PreparedFrame& frame,
                    cv::Mat2f& map, cv::Mat1f& texture, bool for_flow = false);
+    /// What was fetched last, as `flow_texture` is.
+    void normalise_for_flow(cv::Mat1f& texture);
 
     /// Of each pixel of the texture: of a sample its weight times how well it is seen (visible, of each
     /// sample).
